@@ -34,10 +34,10 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "run gu2021-beehive-blind, report included": ("run", "gu2021-beehive-blind", "--workers", "1"),
     "run vaz-ohc, report included": ("run", "vaz-ohc", "--workers", "1"),
     "sweep tdi-pushrod, 31 speeds": (
-        "sweep", "tdi-pushrod", "--engine-speed", "1000:4000:100 rpm", "--workers", "1", "--no-report",
+        "sweep", "tdi-pushrod", "--rpm", "1000:4000:100 rpm", "--workers", "1", "--no-report",
     ),
     "the same without the search of critical speeds": (
-        "sweep", "tdi-pushrod", "--engine-speed", "1000:4000:100 rpm", "--workers", "1", "--no-report", "--no-critical-speeds",
+        "sweep", "tdi-pushrod", "--rpm", "1000:4000:100 rpm", "--workers", "1", "--no-report", "--no-critical-speeds",
     ),
 }  # fmt: skip
 #: Options that leave out work which older versions never did, and so do not know.

@@ -55,7 +55,7 @@ so that the rod is checked against them in every test run without the solver.
     write_mesh(model.mesh, "spring.vtu")        # needs meshio: pip install "valvetrain[mesh]"
 
 This needs a clone, not only the package. Solids of the package itself are bricks of our own in motion
-([theory](theory/solid-in-motion.md)), as in `valvetrain run --spring solid`.
+([theory](theory/solid-in-motion.md)), as in `valvetrain run --model solid`.
 
 `validation.calculix.transient.run_transient` moves the retainer by a lift law in CalculiX, minutes per millisecond, and gives a
 `Solution` (an independent check of motion; its first increments may carry a jolt, whose cause was not found).

@@ -16,13 +16,13 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+import valvetrain as vt
 from benchmarks.own import Array, timed
 from benchmarks.rows import Row
 from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import sweep_study
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.build import build
@@ -219,9 +219,11 @@ def sweep(speeds: int = 200, workers: int = 2) -> Row:
     """W: steady state at 200 engine speeds, second call (compiled kernels on disk)."""
     case = load_case(CASE)
     engine_speeds = (np.linspace(0.3, 1.0, speeds) * case.operation.engine_speeds[0]).tolist()
-    sweep_study(case, engine_speeds[:4], spring_sets=("stock",), workers=1, critical=None)
+    vt.sweep(case, engine_speeds[:4], spring_sets=("stock",), workers=1, critical_speeds=False)
     begun = time.perf_counter()
-    found = sweep_study(case, engine_speeds, spring_sets=("stock",), workers=workers, critical=None)
+    found = vt.sweep(
+        case, engine_speeds, spring_sets=("stock",), workers=workers, critical_speeds=False
+    )
     wall = time.perf_counter() - begun
     settled = sum(solution.status.completed for solution in found.solutions)
     note = f"target 2 s; {settled} settled"

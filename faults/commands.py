@@ -60,21 +60,21 @@ CARD = (
     "27 mm, 538 N",
 )
 FILM = ("--frame-rate", "2000 1/s", "--line", "6, 10, 6, 239", "--scale", "4, 0, 4, 120, 20 mm")
-MODELS = ("--spring", "massless,multi-mass", "--workers", "1")
-PLAIN = ("--no-report", "--workers", "1", "--spring")
-TRAIN = ("tdi-pushrod", "--spring-set", "stock", "--no-report", "--spring", "massless")
+MODELS = ("--model", "massless,multi-mass", "--workers", "1")
+PLAIN = ("--no-report", "--workers", "1", "--model")
+TRAIN = ("tdi-pushrod", "--spring-set", "stock", "--no-report", "--model", "massless")
 #: Words of each command; the folder of its results is "out".
 COMMANDS: dict[str, tuple[str, ...]] = {
     "run": ("run", "small.toml", *MODELS),
-    "compare": ("compare", "small.toml", "--engine-speed", "6000, 9000 rpm", "--no-report", *MODELS),
-    "sweep": ("sweep", *TRAIN, "--engine-speed", "1000:4000:500 rpm", "--no-critical-speeds", "--workers", "2"),
-    "compare-springs": ("compare-springs", "job-c", "job-t", "--train", "tdi-pushrod", "--engine-speed", "2000 rpm", "--spring", "massless"),
+    "compare": ("compare", "small.toml", "--rpm", "6000, 9000 rpm", "--no-report", *MODELS),
+    "sweep": ("sweep", *TRAIN, "--rpm", "1000:4000:500 rpm", "--no-critical-speeds", "--workers", "2"),
+    "compare-springs": ("compare-springs", "job-c", "job-t", "--train", "tdi-pushrod", "--rpm", "2000 rpm", "--model", "massless"),
     "run-up": ("run-up", *TRAIN, "--from", "1000 rpm", "--to", "1500 rpm", "--duration", "0.2 s"),
-    "branches": ("branches", "tdi-pushrod", "--spring", "massless", "--engine-speed", "1000:1500:500 rpm"),
-    "static": ("static", "small.toml", "--spring", "massless,multi-mass"),
-    "modes": ("modes", "small.toml", "--spring", "multi-mass"),
+    "branches": ("branches", "tdi-pushrod", "--model", "massless", "--rpm", "1000:1500:500 rpm"),
+    "static": ("static", "small.toml", "--model", "massless,multi-mass"),
+    "modes": ("modes", "small.toml", "--model", "multi-mass"),
     "refine": ("refine", "small.toml", "--set", "spring.options.finite-element.elements_per_coil=8", "--workers", "1"),
-    "compare-test": ("compare-test", "job-t", "--test", "cycles.csv", "--spring", "massless"),
+    "compare-test": ("compare-test", "job-t", "--test", "cycles.csv", "--model", "massless"),
     "lift": ("lift", "lobe.csv"),
     "spring-card": ("spring-card", *CARD),
     "scan": ("scan", "scan.ply"),

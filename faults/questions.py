@@ -72,7 +72,7 @@ def run(content: bytes) -> str:
     Path("case.toml").write_bytes(content)
     report = "--report" if len(content) % 2 else "--no-report"
     checked, _, reason = command("check", "case.toml", "--quiet")
-    words = ("--spring", "massless", "--workers", "1", "--limit", BOUND, "--output", "out", report)
+    words = ("--model", "massless", "--workers", "1", "--limit", BOUND, "--output", "out", report)
     ran, _, said = command("run", "case.toml", "--quiet", *words)
     if "beyond the bound" in said or "names no engine speed" in said:
         return "refused"  # by the bound of this question, or for what the command line gives

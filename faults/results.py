@@ -18,7 +18,7 @@ from valvetrain.solution.atomic import closing_line, digest
 
 #: What is damaged: numbers of a run, a curve, frequencies, the answer and the case of a saved run.
 KINDS = ("multi-mass-*.nc", "static-*.nc", "modes-*.nc", "run.json", "inputs/case.toml")
-RUN = ("run", "job-t", "--spring", "multi-mass", "--workers", "1", "--no-report", "--quiet")
+RUN = ("run", "job-t", "--model", "multi-mass", "--workers", "1", "--no-report", "--quiet")
 
 
 @cache

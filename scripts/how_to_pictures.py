@@ -55,7 +55,7 @@ def margin_over_speed() -> go.Figure:
         (vt.load_case("tdi-pushrod"), "196 N closed, 378 N open (the case)", LEAD),
         (vt.load_case("tdi-pushrod", best), "200 N closed, 375 N open (the search)", SECOND),
     ):
-        swept = vt.sweep(case, "4000:8000:250 rpm", spring_models=["multi-mass"], spring_set=["stock"], critical_speeds=False)  # fmt: skip
+        swept = vt.sweep(case, "4000:8000:250 rpm", models=["multi-mass"], spring_sets=["stock"], critical_speeds=False)  # fmt: skip
         speeds, ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
         curves.append(curve(speeds * RPM, ratio, words, colour))
     rules = (("y", 1.2, "required: 1.2"), ("y", 1.0, "1: contact is lost"), ("x", 6500.0, "6500 rpm"))  # fmt: skip
@@ -65,12 +65,12 @@ def margin_over_speed() -> go.Figure:
 
 def loss_and_float() -> go.Figure:
     return vt.sweep(
-        "tdi-pushrod", "6000:8000:100 rpm", spring_models=["multi-mass"], spring_set=["stock"]
+        "tdi-pushrod", "6000:8000:100 rpm", models=["multi-mass"], spring_sets=["stock"]
     ).figure("speeds")
 
 
 def surge_over_speed() -> go.Figure:
-    swept = vt.sweep(template("spring"), "2000:7200:50 rpm", spring_models=["reduced-rod"])
+    swept = vt.sweep(template("spring"), "2000:7200:50 rpm", models=["reduced-rod"])
     speeds, surge = swept.series("reduced-rod", "surge_amplitude_force")
     frequency = swept.solutions[0].quantities["surge_frequency"]
     rules = [("x", 120 * frequency / order, str(order)) for order in range(10, 22)]
@@ -87,7 +87,7 @@ def two_springs() -> go.Figure:
     )  # fmt: skip
     amplitude, stress = [], []
     for case, words, colour in wires:
-        run = vt.simulate(case, "6500 rpm", spring_models=["finite-element"]).solutions[0]
+        run = vt.simulate(case, "6500 rpm", models=["finite-element"]).solutions[0]
         shear = 1e-6 * reported_cycle(run).channel("inner_fibre_shear_stress")
         coil = run.arrays.along("inner_fibre_shear_stress")
         assert coil is not None
@@ -163,7 +163,7 @@ def lift_lost() -> go.Figure:
 
 def flight() -> go.Figure:
     return vt.simulate(
-        "tdi-pushrod", "8500 rpm", spring_models=["wave-rod"], spring_set=["stock"]
+        "tdi-pushrod", "8500 rpm", models=["wave-rod"], spring_sets=["stock"]
     ).figure("control")
 
 
@@ -238,7 +238,7 @@ def damping_found() -> go.Figure:
     damping, rows = np.array([4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0]), []
     for one in damping:
         case = vt.load_case("job-t", {"spring.damping.stiffness_damping": f"{one} us"})
-        runs = vt.simulate(case, "6000, 8000 rpm", spring_models=["reduced-rod"]).solutions
+        runs = vt.simulate(case, "6000, 8000 rpm", models=["reduced-rod"]).solutions
         rows.append([run.quantities["surge_amplitude_force"] for run in runs])
     panels = []
     for place, (speed, measured, reach) in enumerate(
@@ -252,7 +252,7 @@ def damping_found() -> go.Figure:
 
 def spikes() -> go.Figure:
     models = ["reduced-rod", "finite-element"]
-    study = vt.simulate("gu2021-beehive-blind", "8000 rpm", spring_models=models)
+    study = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=models)
     panels = []
     for run in study.solutions:
         angle, force = over_angle(run, "seat_force")
@@ -266,7 +266,7 @@ def spikes() -> go.Figure:
 
 
 def stress_range() -> go.Figure:
-    run = vt.simulate(template("spring"), "6000 rpm", spring_models=["finite-element"]).solutions[0]
+    run = vt.simulate(template("spring"), "6000 rpm", models=["finite-element"]).solutions[0]
     shear = 1e-6 * reported_cycle(run).channel("inner_fibre_shear_stress")
     coil = run.arrays.along("inner_fibre_shear_stress")
     assert coil is not None
@@ -283,7 +283,7 @@ def stress_range() -> go.Figure:
 def cam_torque() -> go.Figure:
     case = vt.load_case("tdi-pushrod", {"train.contacts.cam.friction_coefficient": "0.06"})
     sets = ["stock", "performance"]
-    study = vt.simulate(case, "4000 rpm", spring_models=["multi-mass"], spring_set=sets)
+    study = vt.simulate(case, "4000 rpm", models=["multi-mass"], spring_sets=sets)
     curves = [
         curve(*over_angle(run, "cam_torque"), run.spring_set, colour)
         for run, colour in zip(study.solutions, (LEAD, SECOND), strict=True)
@@ -292,7 +292,7 @@ def cam_torque() -> go.Figure:
 
 
 def energy() -> go.Figure:
-    run = vt.simulate("job-c", spring_models=["finite-element"]).solutions[0]
+    run = vt.simulate("job-c", models=["finite-element"]).solutions[0]
     angle = np.degrees(run.cam_angle)
     names = ("kinetic_energy", "elastic_energy", "contact_energy", "work_done", "energy_dissipated")
     parts = {name: run.channel(name) - run.channel(name)[0] for name in names}

@@ -99,7 +99,7 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
 def main() -> None:
     """Measure and print; exit code 1 below :data:`NEEDED` pictures a second."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 6.0
-    study = vt.simulate("gu2021-beehive-blind", "5600 rpm", spring_models=["finite-element"])
+    study = vt.simulate("gu2021-beehive-blind", "5600 rpm", models=["finite-element"])
     found = measure(study, seconds)
     for name, value in found.items():
         print(f"{name:34s} {value:10.1f}")

@@ -251,7 +251,7 @@ def coils_of_case(
     import valvetrain as vt
 
     loaded = vt.load_case(case)
-    run = vt.simulate(loaded, spring_models=[model]).solutions[0]
+    run = vt.simulate(loaded, models=[model]).solutions[0]
     name = run.springs[0]
     coil = run.arrays.coords[f"{name}_coil_number"].values
     moved = run.channel(run.channel_of(name, "axial_displacement"))

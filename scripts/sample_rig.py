@@ -269,7 +269,7 @@ def simulated(
     """
     import valvetrain as vt
 
-    (run,) = vt.simulate("job-t", engine_speed, spring_models=["multi-mass"]).solutions
+    (run,) = vt.simulate("job-t", engine_speed, models=["multi-mass"]).solutions
     angle, lift, force = run.cam_angle, run.channel("valve_lift"), run.channel("retainer_force")
     last = angle >= angle[-1] - TURN
     order = np.argsort(angle[last] % TURN)

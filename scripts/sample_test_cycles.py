@@ -54,7 +54,7 @@ def scatter(cycles: int, cam_angle: Array, seed: int) -> Array:
 
 def force_cycles(cycles: int = 12, angles: int = 720, seed: int = 3) -> MeasuredCycles:
     """Cycles of the spring force of job-t at 3000 rpm of the crank."""
-    run = simulate("job-t", "3000 rpm", spring_models=["finite-element"], workers=1).solutions[0]
+    run = simulate("job-t", "3000 rpm", models=["finite-element"], workers=1).solutions[0]
     cam_angle = np.arange(angles) * 2 * np.pi / angles
     mean = trace_of(run, "spring_force").through(Sensor(bandwidth=BANDWIDTH)).at(cam_angle)
     values = np.round(mean + FORCE_SCATTER * scatter(cycles, cam_angle, seed), 2)
@@ -77,7 +77,7 @@ def coil_table(lash: str, seed: int) -> str:
     """
     case = load_case("vaz-ohc", {"train.lash": lash})
     models, sets = ("finite-element",), ("nested",)
-    run = simulate(case, spring_models=models, spring_set=sets, workers=1).solutions[0]
+    run = simulate(case, models=models, spring_sets=sets, workers=1).solutions[0]
     active = active_wire(build(case, spring_models=models, spring_set=sets))[run.label]
     names = [f"outer_section_{place:g}_displacement" for place in SECTIONS]
     peaks = 1e3 * np.array([trace_of(run, name, active).values.max() for name in names])

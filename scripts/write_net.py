@@ -114,9 +114,9 @@ def path_of(case: str) -> str:
 
 def compute(job: Job, bars: bool = False) -> dict[Key, Entry]:
     """All numbers of a job; with ``bars`` the tolerances of impacts are error bars, which need further runs."""
-    arguments: dict[str, Any] = {"spring_models": list(job.models)}
+    arguments: dict[str, Any] = {"models": list(job.models)}
     if job.spring_set:
-        arguments["spring_set"] = job.spring_set
+        arguments["spring_sets"] = job.spring_set
     if job.sweep:
         found = vt.critical_speeds(path_of(job.case), f"{job.speed} rpm", **arguments, ranges=False)
         return {

@@ -40,8 +40,7 @@ from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.compare import compare_study
-from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.api import compare, simulate, sweep
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
@@ -61,7 +60,7 @@ Array = NDArray[np.float64]
 README = ROOT / "README.md"
 #: The sweep of the README: what it prints stands between these lines, from its verdict to its first rows.
 SPEEDS = "1000:8000:500"
-SWEEP, SWEEP_END = f"mine.toml --engine-speed {SPEEDS}\n```\n\n```text\n", "```\n"
+SWEEP, SWEEP_END = f"mine.toml --rpm {SPEEDS}\n```\n\n```text\n", "```\n"
 MODELS_HEAD = "| word | model | what it knows | what it leaves out |\n|---|---|---|---|\n"
 
 
@@ -85,7 +84,7 @@ def write_readme() -> None:
     )
     with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
         printed_by("valvetrain new mine --kind pushrod")
-        printed = printed_by(f"valvetrain sweep mine.toml --engine-speed {SPEEDS} --output sweep")
+        printed = printed_by(f"valvetrain sweep mine.toml --rpm {SPEEDS} --output sweep")
         study = vt.sweep("mine.toml", f"{SPEEDS} rpm")
         study.figure("speeds").write_image(str(PICTURES / "sweep.svg"), width=900)
     head, _, rest = README.read_text(encoding="utf-8").partition(SWEEP)
@@ -177,12 +176,10 @@ def _command(case: Case, command: str, words: list[str]) -> Iterator[tuple[str, 
 
 def _study(case: Case, command: str, speeds: list[float], words: list[str]) -> Study:
     if command == "run":
-        return run_study(case, engine_speeds=speeds, spring_models=words, workers=1)
+        return simulate(case, engine_speeds=speeds, models=words, workers=1)
     if command == "compare":
-        return compare_study(case, engine_speeds=speeds, spring_models=words, workers=1)
-    return sweep_study(
-        case, speeds or [ENGINE_SPEED], spring_models=words, workers=1, critical=None
-    )
+        return compare(case, engine_speeds=speeds, models=words, workers=1)
+    return sweep(case, speeds or [ENGINE_SPEED], models=words, workers=1, critical_speeds=False)
 
 
 def models_text(found: dict[str, dict[tuple[str, str], str]]) -> str:
@@ -222,7 +219,7 @@ def _plain(reason: str) -> str:
         return NO_LIFT
     if "is a train; leave solid out" in reason:
         return "solids follow a train by run and sweep, and are not compared there"
-    return reason.split("is known by its card only; ")[-1].removeprefix("--spring: ").rstrip(".")
+    return reason.split("is known by its card only; ")[-1].removeprefix("--model: ").rstrip(".")
 
 
 def _knowledge() -> str:
@@ -280,7 +277,7 @@ def tutorial_pictures(folder: Path) -> dict[str, go.Figure]:
     """Name -> the three pictures, from what the commands wrote."""
     # the rod to which the spring is fitted: the chain is 3 % stiffer over closing coils
     spring = vt.load_case(folder / "spring" / "spring.toml").springs[0]
-    rest = vt.static_curve(spring, "25 mm", spring_model="finite-element")
+    rest = vt.static_curve(spring, "25 mm", models="finite-element")
     assert spring.wire is not None
     height = 1e3 * (spring.wire.free_length - rest.compression)
     loads = dots(np.array([1.8, 1.2]) * 25.4, np.array([140.0, 375.0]) * 4.4482216, "card", BAD)

@@ -20,8 +20,8 @@ from pathlib import Path
 
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.api import simulate
 from valvetrain.runs.refine import refined
-from valvetrain.runs.run import run_study
 from valvetrain.runs.stored_error_bars import belongs, rows_of, uncertainty_text
 from valvetrain.solution.atomic import write_text
 
@@ -36,8 +36,8 @@ def restamp(case: Case, workers: int) -> None:
     rows = rows_of(
         tomllib.loads((LIBRARY / f"{case.name}.uncertainty").read_text(encoding="utf-8"))
     )
-    study = run_study(
-        case, spring_models=() if case.train is not None else ("finite-element",), workers=workers
+    study = simulate(
+        case, models=() if case.train is not None else ("finite-element",), workers=workers
     )
     if changed := [row for row in rows if not belongs(row, study.quantities)]:
         lines = (

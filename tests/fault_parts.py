@@ -22,9 +22,9 @@ MARK = "VALVETRAIN_FAULT_TEST"
 SWEEP = (
     "sweep",
     "tdi-pushrod",
-    "--engine-speed",
+    "--rpm",
     "1000:5000:25 rpm",
-    "--spring",
+    "--model",
     "massless",
     "--spring-set",
     "stock",

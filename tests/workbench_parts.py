@@ -124,7 +124,7 @@ def kept(
 ) -> str:
     """A run as the run store keeps it, with text files (an underscore stands for the dot); its id."""
     inputs, at = (
-        Inputs(case, SMALL, {}, {"spring_models": ["massless"], "engine_speeds": [4000.0]}),
+        Inputs(case, SMALL, {}, {"models": ["massless"], "engine_speeds": [4000.0]}),
         datetime.fromisoformat(created),
     )
     folder = new_folder(inputs.case, inputs.digest, at, workspace.runs_folder)

@@ -22,6 +22,7 @@ from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.runs.own_error_bars import NAMES, SAME_SCATTER
 from valvetrain.runs.prepared import Plan, integrate_from, prepare, provenance_of, with_quantities
 from valvetrain.runs.refine_trains import divided
+from valvetrain.runs.requests import Run
 from valvetrain.runs.run import run_problem
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -178,7 +179,7 @@ def compare(subject: Subject, models: Sequence[str] = MODELS) -> Iterator[Compar
         # rods at the last speed alone, since their finest take a minute each
         chosen = subject.engine_speeds[-1:] if model in OF_WIRES else subject.engine_speeds
         speeds = [rpm * RPM for rpm in chosen]
-        study = run_problem(problem, speeds, workers=1, error_bars=True)
+        study = run_problem(problem, speeds, Run(case=case, workers=1, compute=("error_bars",)))
         bars = {
             (round(row.engine_speed / RPM), row.quantity): row.numerical
             for row in study.error_bars.rows
@@ -317,7 +318,7 @@ def compare_exact() -> Iterator[Compared]:
             problem = build(case, spring_models=(model,))
             lifts = problem.valve_lift.lift(np.arange(2**13) * 2 * np.pi / 2**13)
             speeds = [rpm * RPM for rpm in CARD_SPEEDS]
-            study = run_problem(problem, speeds, workers=1, error_bars=True)
+            study = run_problem(problem, speeds, Run(case=case, workers=1, compute=("error_bars",)))
             bars = {
                 (row.engine_speed, row.quantity): row.numerical for row in study.error_bars.rows
             }

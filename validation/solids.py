@@ -22,7 +22,7 @@ from valvetrain.continuum.wire import SolidContactLaw, SolidWire
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.model import SolidModel
 from valvetrain.springs.spec import spring_model
@@ -204,10 +204,10 @@ def spikes_of_rod_and_solid() -> list[Row]:
 
     Expected is the solid. Above 5 kHz neither is right: heights rest on mesh and contact constants.
     """
-    study = run_study(
+    study = simulate(
         load_case("gu2021-beehive-blind"),
         engine_speeds=[8000 * np.pi / 30],
-        spring_models=["finite-element", "solid"],
+        models=["finite-element", "solid"],
     )
     rod, solid = (run.quantities for run in study.solutions)
     what = "gu2021-beehive-blind, 8000 rpm, 24 slices and elements per coil"

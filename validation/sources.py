@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from validation.explained import Explained, explained_miss
 from validation.row import Row, book_case
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.solution.comparison import Comparison
 from valvetrain.units import to_unit
 
@@ -70,14 +70,14 @@ def _row(topic: str, key: str, item: Comparison) -> Row:
 def beehive_spring() -> list[Row]:
     """Gu et al.: static curve, modes and transients of the beehive spring."""
     return rows_of(
-        "beehive spring", "gu2021", run_study(load_case("gu2021-beehive-blind")).comparisons
+        "beehive spring", "gu2021", simulate(load_case("gu2021-beehive-blind")).comparisons
     )
 
 
 @book_case(slow=True)
 def pushrod_train() -> list[Row]:
     """The course report on a cam, pushrod and rocker train."""
-    study = run_study(load_case("tdi-pushrod"), spring_sets=("as printed",), workers=1)
+    study = simulate(load_case("tdi-pushrod"), spring_sets=("as printed",), workers=1)
     return rows_of("pushrod train", "multibody4b17", study.comparisons)
 
 

@@ -11,7 +11,7 @@ to a little beyond the largest lift.
 import valvetrain as vt
 
 case = vt.load_case("gu2021-beehive-blind")
-curve = vt.static_curve(case, spring_model="multi-mass")
+curve = vt.static_curve(case, models="multi-mass")
 
 first, last = 1e-3 * curve.stiffness_at("9 mm"), 1e-3 * curve.stiffness_at("16 mm")
 print(f"rate {first:.1f} N/mm at 9 mm of compression, {last:.1f} N/mm at 16 mm")

@@ -12,7 +12,7 @@ import valvetrain as vt
 models = ["multi-mass", "finite-element", "modal-uniform"]
 coarse = {"spring.options.finite-element.elements_per_coil": 8}
 study = vt.simulate(
-    vt.load_case("gu2021-beehive-blind", coarse), "8000 rpm", spring_models=models, workers=1
+    vt.load_case("gu2021-beehive-blind", coarse), "8000 rpm", models=models, workers=1
 )
 
 for model in models:

@@ -12,9 +12,9 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-run = vt.simulate(
-    "gu2021-beehive-blind", "8000 rpm", spring_models=["multi-mass"], workers=1
-).solution("multi-mass")
+run = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=["multi-mass"], workers=1).solution(
+    "multi-mass"
+)
 
 clashes = [event for event in run.events if event.kind == "clash"]
 worst = max(clashes, key=lambda event: event.details["impulse"])

@@ -15,7 +15,7 @@ import plotly.graph_objects as go
 import valvetrain as vt
 
 case = vt.load_case("job-t", {"operation.cycles": 8})
-study = vt.sweep(case, "3400:5000:100 rpm", spring_models=["modal-uniform"], whole=True, workers=1)
+study = vt.sweep(case, "3400:5000:100 rpm", models=["modal-uniform"], whole=True, workers=1)
 
 # %%
 # One turn of the cam is one period, so that line n of the spectrum is harmonic n of the cam.

@@ -12,9 +12,7 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-(run,) = vt.simulate(
-    "vaz-ohc", spring_models=["multi-mass"], spring_set=["nested"], workers=1
-).solutions
+(run,) = vt.simulate("vaz-ohc", models=["multi-mass"], spring_sets=["nested"], workers=1).solutions
 
 for spring in run.springs:
     print(

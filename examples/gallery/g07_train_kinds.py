@@ -17,7 +17,7 @@ import valvetrain as vt
 figure = go.Figure()
 for kind in ("direct", "finger", "rocker", "pushrod"):
     case = vt.load_case(resources.files("valvetrain").joinpath("templates", f"{kind}.toml"))
-    run = vt.simulate(case, "5000 rpm", spring_models=["modal-uniform"], workers=1).solutions[0]
+    run = vt.simulate(case, "5000 rpm", models=["modal-uniform"], workers=1).solutions[0]
     difference = run.channel("valve_lift") - run.channel("rigid_valve_lift")
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
     figure.add_scatter(x=angle, y=1e3 * difference, name=kind)

@@ -26,5 +26,5 @@ print(f"{found.verdict}; left open: {', '.join(found.free)}")
 # %%
 # The curve of that spring goes through both loads.
 
-curve = vt.static_curve(found.definition, "24 mm", spring_model="multi-mass")
+curve = vt.static_curve(found.definition, "24 mm", models="multi-mass")
 figure = curve.plot()

@@ -12,9 +12,9 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-run = vt.simulate(
-    "gu2021-beehive-blind", "8000 rpm", spring_models=["multi-mass"], workers=1
-).solution("multi-mass")
+run = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=["multi-mass"], workers=1).solution(
+    "multi-mass"
+)
 (seen,) = vt.rig.sensor_response(run, vt.measured.Sensor(bandwidth="1 kHz"), ["seat_force"])
 
 turn = (seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360

@@ -14,7 +14,7 @@ import valvetrain as vt
 
 angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
 case = vt.load_case("job-t", {"spring.damping.stiffness_damping": "1.2e-5 s"})
-truth = vt.simulate(case, "3000 rpm", spring_models=["multi-mass"], workers=1).solutions[0]
+truth = vt.simulate(case, "3000 rpm", models=["multi-mass"], workers=1).solutions[0]
 force = np.interp(angle + truth.cam_angle[0], truth.cam_angle, truth.channel("seat_force"))
 drawn = force + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
 test = vt.measured.MeasuredCycles(

@@ -20,7 +20,7 @@ spring = vt.parameters.cylindrical(
     total_coils=6.5,
     name="imperial",
 )
-curve = vt.static_curve(spring, 0.5 * units.inch, spring_model="multi-mass")
+curve = vt.static_curve(spring, 0.5 * units.inch, models="multi-mass")
 load = curve.force_at("0.4 in")
 print(f"{load:.0f} N = {load / 4.4482216:.0f} lbf at 0.4 in")
 

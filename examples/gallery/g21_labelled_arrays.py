@@ -15,7 +15,7 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-run = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"], workers=1).solutions[0]
+run = vt.simulate("job-t", "3000 rpm", models=["multi-mass"], workers=1).solutions[0]
 
 with tempfile.TemporaryDirectory() as folder:
     vt.solution.save_netcdf(run, Path(folder, "run.nc"))

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 
 import valvetrain as vt
 
-study = vt.simulate("gu2021-beehive-blind", "4200 rpm", spring_models=["multi-mass"], workers=1)
+study = vt.simulate("gu2021-beehive-blind", "4200 rpm", models=["multi-mass"], workers=1)
 moving = study.solution("multi-mass").quantities
 stress = {
     "valve closed": moving["closed_nominal_shear_stress"],

@@ -24,7 +24,7 @@ for speed in ("4530 rpm", "4730 rpm"):
                 "operation.cycles": 8,
             },
         )
-        run = vt.simulate(case, speed, spring_models=["modal-uniform"], workers=1).solutions[0]
+        run = vt.simulate(case, speed, models=["modal-uniform"], workers=1).solutions[0]
         force.append(run.quantities["peak_spring_force"])
     print(
         f"{speed}: peak force {force[0]:.0f} N at 0.5 % of critical damping, {force[-1]:.0f} N at 8 %"

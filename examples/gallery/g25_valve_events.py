@@ -15,8 +15,8 @@ import valvetrain as vt
 study = vt.sweep(
     "tdi-pushrod",
     "6000:8400:200 rpm",
-    spring_models=["massless"],
-    spring_set=["stock"],
+    models=["massless"],
+    spring_sets=["stock"],
     critical_speeds=False,
     workers=1,
 )

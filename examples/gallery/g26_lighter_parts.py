@@ -24,8 +24,8 @@ for words, (changes, springs) in variants.items():
     found = vt.critical_speeds(
         vt.load_case("tdi-pushrod", changes),
         "6000:9000:1000 rpm",
-        spring_models=["modal-uniform"],
-        spring_set=[springs],
+        models=["modal-uniform"],
+        spring_sets=[springs],
         ranges=False,
         workers=1,
     )

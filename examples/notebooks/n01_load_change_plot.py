@@ -9,7 +9,7 @@ engine speed. The case itself stays as it was.
 import valvetrain as vt
 
 case = vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"})
-run = case.run("6000 rpm", model="modal-uniform")
+run = case.run("6000 rpm", models="modal-uniform")
 force = run["seat_force"]
 print(f"seat force {float(force.min()):.0f} to {float(force.max()):.0f} {force.units}")
 

@@ -15,7 +15,7 @@ train = vt.Train("direct", springs=spring, cam={"base_radius": "18 mm", "width":
 law = {"kind": "polynomial", "lift_of": "tappet", "exponents": "3-4-5", "maximum_lift": "8 mm", "opening_start": "100 deg",
        "opening_end": "180 deg", "closing_start": "180 deg", "closing_end": "260 deg"}  # fmt: skip
 case = vt.Case(train=train, lift_law=law, name="mine")
-run = case.run("5500 rpm", model="modal-uniform")
+run = case.run("5500 rpm", models="modal-uniform")
 
 # %%
 # Forces of the springs and the lift of the valve.

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import valvetrain as vt
 
 case = vt.Case("tdi-pushrod")
-options = {"model": "massless", "spring_set": "stock", "ranges": False}
+options = {"models": "massless", "spring_sets": "stock", "ranges": False}
 
 
 def float_speed(mass):

@@ -11,7 +11,7 @@ import tempfile
 import valvetrain as vt
 
 case = vt.Case("job-t").set({"operation.cycles": 3})
-run = case.run("2000 rpm", model="massless")
+run = case.run("2000 rpm", models="massless")
 with tempfile.TemporaryDirectory() as folder:
     case_file = vt.save(case, f"{folder}/mine.toml")
     run_file = vt.save(run, f"{folder}/run.nc")

@@ -221,7 +221,7 @@ def test_the_bare_import_takes_under_0_7_s():
 CORE = """
 import pkgutil, importlib, sys
 import valvetrain
-sys.argv = ["valvetrain", "run", "job-t", "--engine-speed", "3000 rpm", "--spring", "modal-uniform", "--output", sys.argv[1]]
+sys.argv = ["valvetrain", "run", "job-t", "--rpm", "3000 rpm", "--model", "modal-uniform", "--output", sys.argv[1]]
 from valvetrain.__main__ import main
 main()
 """

@@ -24,7 +24,7 @@ def test_it_is_the_status_of_that_run(tmp_path):
         "run",
         str(TEMPLATES / "direct.toml"),
         *changes,
-        *typed("--spring finite-element --engine-speed '6000, 18000 rpm' --workers 1 --output"),
+        *typed("--model finite-element --rpm '6000, 18000 rpm' --workers 1 --output"),
         str(tmp_path / "out"),
         "--no-report",
     )

@@ -13,7 +13,7 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.solution.result import Solution
 from valvetrain.springs.spec import spring_model
 
@@ -53,7 +53,7 @@ def runs(case: str) -> tuple[Solution, ...]:
     loaded = load_case(
         case, coarse | ({"spring.guide.bore": "40 mm"} if case == "job-c" else {"train.cycles": 1})
     )
-    return run_study(loaded, engine_speeds=[SPEED], spring_models=words, workers=1).solutions
+    return simulate(loaded, engine_speeds=[SPEED], models=words, workers=1).solutions
 
 
 def shown(run: Solution) -> set[str]:

@@ -28,7 +28,7 @@ from valvetrain.parameters.train_parts import (
     ValveParameters,
 )
 from valvetrain.quantities.statics import buckling_compression
-from valvetrain.runs.critical_speeds import read_options
+from valvetrain.runs.requests import Sweep
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
@@ -192,13 +192,13 @@ ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "static_curve of a rod": (lambda x: rod().static_curve(x, 2).compression[-1], 0.005, LENGTH),
     "static_point of a rod": (lambda x: rod().static_point(x).force, 0.005, LENGTH),
     "modes of a rod": (lambda x: rod().modes(1, attached_mass=x).natural_frequency[0], 0.05, MASS),
-    "static_curve": (lambda x: vt.static_curve(SPRING, spring_model="massless", largest_compression=x, steps=2).compression[-1],
+    "static_curve": (lambda x: vt.static_curve(SPRING, models="massless", largest_compression=x, steps=2).compression[-1],
                      0.005, LENGTH),
     "buckling, length": (lambda x: buckling_compression(x, 0.01), 0.08, "80 mm"),
     "buckling, diameter": (lambda x: buckling_compression(0.08, x), 0.005, LENGTH),
-    "resolution": (lambda x: read_options(x, 5e-5, 1e-4).resolution, 20 * np.pi / 30, "20 rpm"),
-    "float lift": (lambda x: read_options("20 rpm", x, 1e-4).float_lift, 0.005, LENGTH),
-    "bounce height": (lambda x: read_options("20 rpm", 5e-5, x).bounce_height, 0.005, LENGTH),
+    "resolution": (lambda x: Sweep.read({"case": "job-t", "resolution": x}).resolution, 20 * np.pi / 30, "20 rpm"),
+    "float lift": (lambda x: Sweep.read({"case": "job-t", "float_lift": x}).float_lift, 0.005, LENGTH),
+    "bounce height": (lambda x: Sweep.read({"case": "job-t", "bounce_height": x}).bounce_height, 0.005, LENGTH),
     "shear modulus": (lambda x: vt.parameters.Material("steel", 206e9, x, 7850.0).shear_modulus, 80e9, "80 GPa"),
     "density": (lambda x: vt.parameters.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
     "sample interval": (lambda x: batch(interval=x).time[-1], 2e-6, SECOND),

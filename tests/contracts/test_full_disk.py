@@ -14,9 +14,7 @@ import pytest
 from unit.cli_parts import MODULE, process_environment, typed
 from valvetrain.solution.netcdf import load_result
 
-JOB = typed(
-    "run job-t --engine-speed '2000, 2500 rpm' --spring massless,multi-mass --no-report --output out"
-)
+JOB = typed("run job-t --rpm '2000, 2500 rpm' --model massless,multi-mass --no-report --output out")
 #: Bytes that the disk takes: the first files, not all of them.
 ROOM = 300_000
 

@@ -17,7 +17,7 @@ import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import call, typed
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
@@ -62,11 +62,11 @@ def raw():
             "valvetrain.runs.prepared.evaluate",
             lambda run, frame: seen.append((run, frame)) or usual(run, frame),
         )
-        run_study(load_case("job-t"), engine_speeds=(400.0,), spring_models=("multi-mass",))
-        run_study(
+        simulate(load_case("job-t"), engine_speeds=(400.0,), models=("multi-mass",))
+        simulate(
             load_case("tdi-pushrod"),
             engine_speeds=(300.0,),
-            spring_models=("multi-mass",),
+            models=("multi-mass",),
             spring_sets=("stock",),
             workers=1,
         )
@@ -171,9 +171,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)
     out = tmp_path / "out"
-    result = call(
-        "run", "job-t", "--engine-speed", "2000 rpm", "--spring", "massless", "--output", str(out)
-    )
+    result = call("run", "job-t", "--rpm", "2000 rpm", "--model", "massless", "--output", str(out))
     assert result.exit_code == 1 and "Traceback" not in result.stderr
     run = load_netcdf(out / "massless-2000rpm.nc")
     assert (
@@ -259,7 +257,7 @@ def two_variants(folder, first: str, second: str) -> str:
 )
 def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
     out = tmp_path / "out"
-    speeds = ("--engine-speed", "3000.001, 3000.002 rpm", "--workers", "1", "--no-report")
+    speeds = ("--rpm", "3000.001, 3000.002 rpm", "--workers", "1", "--no-report")
     result = call("run", two_variants(tmp_path, *labels), *speeds, "--output", str(out), "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
@@ -283,7 +281,7 @@ def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
 @pytest.mark.parametrize("damping", ["1e6 1/s", "1e9 1/s"])
 def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, damping):
     words = (
-        *typed("--engine-speed '2000 rpm' --spring modal-varied,massless --set"),
+        *typed("--rpm '2000 rpm' --model modal-varied,massless --set"),
         f"spring.damping.mass_damping={damping}",
     )
     result = call("run", "job-t", *words, "--no-report", "--output", str(tmp_path / "out"))

@@ -190,7 +190,7 @@ def numbers(name: str, key: str, speed: str) -> tuple[dict, dict]:
     light = [one for one in sorted(LIGHT) if kind in definition_of(one).systems]
     try:
         changed = case.set({key: written(varied, value)})
-        run = changed.run(model="massless", outputs=light if kind == "spring" else ())
+        run = changed.run(models="massless", outputs=light if kind == "spring" else ())
     except vt.InputError:
         return {}, {}
     names = [one for one in run.quantities if kind in definition_of(one).systems]
@@ -225,7 +225,7 @@ def test_what_follows_from_a_value_follows_beyond_15_000_rpm():
     assert found["card_rate"].values.ravel() == pytest.approx(
         [(one - 240.0) / 9e-3 for one in loads]
     )
-    runs = [case.set({key: one}).run(model="massless") for one in loads]
+    runs = [case.set({key: one}).run(models="massless") for one in loads]
     assert found[force].values.ravel().tolist() == [run.quantities[force] for run in runs]
     assert found[force].values.ravel()[1] > found[force].values.ravel()[0] + 20.0
     key, same, other = "lift_law.duration", "248 deg", "252 deg"
@@ -237,7 +237,7 @@ def test_what_follows_from_a_value_follows_beyond_15_000_rpm():
         workers=1,
     )
     low, high = lifts.to_xarray()["peak_cam_contact_force"].values.ravel()
-    own = case.run(model="massless").quantities["peak_cam_contact_force"]
+    own = case.run(models="massless").quantities["peak_cam_contact_force"]
     assert low == pytest.approx(own, rel=1e-9) and high != low
 
 

@@ -16,9 +16,9 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
+from valvetrain.runs.api import simulate
 from valvetrain.runs.prepared import Plan, prepare, with_quantities
 from valvetrain.runs.refine_trains import HEADLINES
-from valvetrain.runs.run import run_study
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.definition import topics
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
@@ -220,9 +220,7 @@ def test_surge_orders_do_not_depend_on_the_samples_kept(case, word):
     """
     found = []
     for step in ("1 deg", "0.25 deg"):
-        study = run_study(
-            load_case(case, {"operation.output_step": step}), spring_models=[word], workers=1
-        )
+        study = simulate(load_case(case, {"operation.output_step": step}), models=[word], workers=1)
         found.append(study.solutions[-1].quantities)
     names = [
         name

@@ -49,7 +49,7 @@ def test_a_signal_keeps_what_was_finished(number, train, tmp_path):
     (tmp_path / "small.toml").write_text(OWN_MESH)
     case = ("tdi-pushrod", "2000, 3000 rpm") if train else ("small.toml", "2000:9000:500 rpm")
     code = REPORTING
-    words = ("refine", case[0], "--engine-speed", case[1], "--workers", "2", "--output", "out")
+    words = ("refine", case[0], "--rpm", case[1], "--workers", "2", "--output", "out")
     with started(*words, folder=tmp_path, code=code) as (run, mark):
         wait_until((tmp_path / "reached").exists, "some runs are finished")
         run.send_signal(number)
@@ -136,9 +136,7 @@ def test_a_mesh_that_cannot_be_is_told_and_two_meshes_give_the_bars(tmp_path, mo
     monkeypatch.setattr(springs, "_prepare", without_the_finest)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(OWN_MESH)
-    result = call(
-        *typed("refine small.toml --engine-speed '400 rad/s' --workers 1 --output out --json")
-    )
+    result = call(*typed("refine small.toml --rpm '400 rad/s' --workers 1 --output out --json"))
     assert result.exit_code == 1, result.stderr
     data = json.loads(result.stdout)
     assert (

@@ -11,7 +11,7 @@ import pytest
 
 from valvetrain.mechanism.planar import piston_clearance
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 
 #: Forces inside elastic parts, whose sizes other tests hold to closed forms
 #: (tests/limits/test_train_dynamics.py).
@@ -21,7 +21,7 @@ INSIDE = {"lever_bending_moment", "support_force", "stem_force"}
 @pytest.fixture(scope="module")
 def ran():
     case = load_case("vaz-ohc")
-    (run,) = run_study(case, engine_speeds=(250.0,), spring_models=("massless",)).solutions
+    (run,) = simulate(case, engine_speeds=(250.0,), models=("massless",)).solutions
     return case, run
 
 

@@ -67,7 +67,7 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
     """The status of the whole study: the run of one speed kills every process but this one."""
     import valvetrain.runs.train_runs as run
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.run import run_study
+    from valvetrain.runs.api import simulate
 
     usual, here = run.train_block, os.getpid()
 
@@ -79,10 +79,10 @@ def test_a_speed_whose_worker_is_killed_is_a_status_and_the_others_are_there(mon
     deadly.__module__, deadly.__qualname__ = run.__name__, "train_block"
     monkeypatch.setattr(run, "train_block", deadly)
     monkeypatch.setattr("valvetrain.runs.workers.start_method", lambda: "fork")
-    study = run_study(
+    study = simulate(
         load_case("tdi-pushrod"),
         engine_speeds=(150.0, 295.0, 305.0),
-        spring_models=("massless",),
+        models=("massless",),
         spring_sets=("stock",),
         workers=2,
         whole=False,

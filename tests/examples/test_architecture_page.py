@@ -31,7 +31,7 @@ KNOWN = [re.compile(re.sub(r"<(\w+)>", lambda match: PLACES[match[1]], name)) fo
     ],
 )
 def test_every_channel_stands_in_the_table(case, engine_speed, models):
-    for run in vt.simulate(case, engine_speed, spring_models=models, workers=1).solutions:
+    for run in vt.simulate(case, engine_speed, models=models, workers=1).solutions:
         plain = {re.sub(r"^(outer|inner)_(?!fibre)", "", str(name)) for name in run.channels}
         assert not {name for name in plain if not any(known.fullmatch(name) for known in KNOWN)}
 

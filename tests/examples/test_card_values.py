@@ -31,7 +31,7 @@ def test_a_card_gives_surge_seating_bind_and_valve_events(engine):
     """Every value that the cards themselves decide is checked against them; the valve ends near its
     lobe lift times the ratio.
     """
-    study = vt.simulate(engine, "4000 rpm", spring_models=["massless"])
+    study = vt.simulate(engine, "4000 rpm", models=["massless"])
     (run,) = study.solutions
     assert run.status.completed and not study.failures
     found, still = run.quantities, next(iter(study.still.values()))
@@ -68,7 +68,7 @@ def test_it_holds_the_cam_below_the_speed_of_rigid_theory_and_floats_above(engin
     mass = 0.118 + 0.05735 + 30e-6 / (0.9 * INCH) ** 2 + 1.6**2 * (0.138 + 0.096 / 3)
     force = 1.6 * (PRELOAD + RATE * 1.6 * 0.353 * INCH) + 0.3 / (0.9 * INCH)
     by_hand = 2 * math.sqrt(force / (mass * -nose))
-    study = vt.simulate(engine, [0.6 * by_hand, 1.1 * by_hand], spring_models=["massless"])
+    study = vt.simulate(engine, [0.6 * by_hand, 1.1 * by_hand], models=["massless"])
     rigid = next(values["rigid_contact_loss_engine_speed"] for values in study.still.values())
     assert rigid == pytest.approx(by_hand, rel=0.05)
     below, above = (run.quantities for run in study.runs("massless"))

@@ -56,10 +56,10 @@ QUICK = (
 SLOW = (
     "valvetrain branches tdi-pushrod --spring-set stock --engine-speed 9400:9600:50",
     "valvetrain run my-train.toml --open",
-    "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
+    "valvetrain sweep my-train.toml --rpm 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
-    '--engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
-    'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind --engine-speed "5600 rpm"',
+    '--rpm "6000 rpm" --search "4000:9000:500 rpm"',
+    'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind --rpm "5600 rpm"',
     "valvetrain study examples/studies/beehive-tolerances.toml", "valvetrain study examples/studies/two-quantities.toml",
     "valvetrain study examples/studies/train-seating.toml", "valvetrain optimise examples/optimise-spring-loads.toml",
 )  # fmt: skip
@@ -177,9 +177,9 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
 
 #: What makes a long command short: fewer speeds and points. Everything else of it stays.
 SHORTER = (
-    ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive-blind --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
+    ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive-blind --rpm 3000:9000:500", "job-t --rpm 3000:9000:6000"),
     ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', " --draws 4"),
-    (" --design gu2021-beehive-blind --engine-speed \"5600 rpm\"", ""),
+    (" --design gu2021-beehive-blind --rpm \"5600 rpm\"", ""),
 )  # fmt: skip
 #: The same in the files of studies and searches.
 FEWER = (
@@ -211,7 +211,7 @@ def prepared(folder: Path, line: str, points: int) -> str:
         if name in line and not (folder / f"{name}.toml").exists():
             run(folder, f"valvetrain new {name} --kind pushrod")
     if "latest" in line and not (folder / "runs" / "vaz-ohc").exists():
-        run(folder, "valvetrain run vaz-ohc --spring massless")
+        run(folder, "valvetrain run vaz-ohc --model massless")
     return line.replace("FOLDER", str(folder))
 
 

@@ -46,27 +46,27 @@ def values(quantities):
 
 
 def test_run(answer):
-    data = answer("run", "job-t", "--spring", "multi-mass", "--engine-speed", "5000 rpm")
+    data = answer("run", "job-t", "--model", "multi-mass", "--rpm", "5000 rpm")
     told = values(data["runs"][0]["quantities"])
-    run = vt.Case("job-t").run("5000 rpm", model="multi-mass")
+    run = vt.Case("job-t").run("5000 rpm", models="multi-mass")
     assert {name: run.quantities[name] for name in told} == told
 
 
 def test_static(answer):
-    rest = answer("static", "job-t", "--spring", "multi-mass")["springs_at_rest"][0]
-    curve = vt.Case("job-t").static(spring_model="multi-mass")
+    rest = answer("static", "job-t", "--model", "multi-mass")["springs_at_rest"][0]
+    curve = vt.Case("job-t").static(models="multi-mass")
     compression, force = (rest["static_curve"][name]["values"] for name in ("compression", "force"))
     assert curve.force_at(compression[10]) == pytest.approx(force[10], rel=1e-9)
 
 
 def test_modes_and_compare(answer):
-    told = values(answer("modes", "job-t", "--spring", "multi-mass")["quantities"])
+    told = values(answer("modes", "job-t", "--model", "multi-mass")["quantities"])
     (rest,) = vt.compare("job-t", "2000 rpm", "multi-mass").rest
     assert told["mode_1_frequency"] == rest.modes.natural_frequency[0]
 
 
 def test_sweep_and_critical_speeds(answer):
-    words = ("--engine-speed", "2000:2500:500", "--spring", "massless")
+    words = ("--rpm", "2000:2500:500", "--model", "massless")
     answer("new", "engine", "--kind", "direct")
     data = answer("sweep", "engine.toml", *words)
     study = vt.Case("engine.toml").sweep("2000:2500:500 rpm", "massless")
@@ -78,7 +78,7 @@ def test_sweep_and_critical_speeds(answer):
 def test_run_up(answer):
     answer("new", "engine", "--kind", "direct")
     words = (
-        "--spring",
+        "--model",
         "massless",
         "--from",
         "2000 rpm",
@@ -88,7 +88,7 @@ def test_run_up(answer):
         "0.3 s",
     )
     told = answer("run-up", "engine.toml", *words)["runs"]
-    study = vt.run_up("engine.toml", "2000 rpm", "2400 rpm", "0.3 s", spring_models="massless")
+    study = vt.run_up("engine.toml", "2000 rpm", "2400 rpm", "0.3 s", models="massless")
     assert [one["quantities"]["peak_cam_contact_force"]["value"] for one in told] == [
         one.quantities["peak_cam_contact_force"] for one in study.solutions
     ]
@@ -148,7 +148,7 @@ def test_compare_springs(answer, tmp_path):
         '[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
     )
     answer("new", "engine", "--kind", "direct")
-    words = ("--engine-speed", "2000:2500:500", "--spring", "massless")
+    words = ("--rpm", "2000:2500:500", "--model", "massless")
     data = answer("compare-springs", "soft.toml", "engine.toml", *words)
     study = vt.Case("engine.toml").compare_springs(
         "soft.toml", "engine.toml", "2000:2500:500 rpm", "massless"

@@ -71,7 +71,7 @@ def test_a_notebook_uses_public_names_alone(path):
 def test_load_change_plot_as_by_the_command_line(tmp_path):
     scope, printed = run(1)
     wire, model = "spring.wire_diameter=3.9 mm", "modal-uniform"
-    request = ("--set", wire, "--engine-speed", "6000 rpm", "--spring", model)
+    request = ("--set", wire, "--rpm", "6000 rpm", "--model", model)
     answer = by_command(tmp_path, "run", "job-t", *request)
     same_numbers(scope["run"], answer)
     assert printed == "seat force -104 to 772 N\n"
@@ -84,8 +84,8 @@ def test_what_is_made_from_parts_has_a_file_that_the_command_line_runs(
     scope, _ = run(number)
     file = scope["case"].save(tmp_path / "own.toml")
     solutions = [scope["run"]] if number == 3 else scope["both"].solutions
-    models = [part for one in solutions for part in ("--spring", one.model)]
-    answer = by_command(tmp_path, "run", str(file), "--engine-speed", engine_speed, *models)
+    models = [part for one in solutions for part in ("--model", one.model)]
+    answer = by_command(tmp_path, "run", str(file), "--rpm", engine_speed, *models)
     for one in solutions:
         same_numbers(one, answer)
 

@@ -9,14 +9,14 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.train import PARTS, TrainParameters
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files-trains.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 
 
 def test_the_printed_case_runs():
-    study = run_study(parse_case(EXAMPLE), workers=1)
+    study = simulate(parse_case(EXAMPLE), workers=1)
     assert study.labels == ("as built", "rod, no lash")
     assert all(run.status.completed for run in study.solutions)
     lifts = [run.quantities["peak_rigid_valve_lift"] for run in study.solutions]

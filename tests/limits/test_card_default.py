@@ -63,7 +63,7 @@ def default_and_finest(kind: str, rpm: int):
     card = next(name for name, springs in sets.items() if all(one.wire is None for one in springs))
     finest = case.set({f"train.springs.{card}.0.options.modal-uniform.modes": 80})
     preload = sum(one.card.preload for one in sets[card])
-    return preload, *(one.run(f"{rpm} rpm", spring_set=card) for one in (case, finest))
+    return preload, *(one.run(f"{rpm} rpm", spring_sets=card) for one in (case, finest))
 
 
 @pytest.mark.parametrize("kind", ["pushrod", "finger", "direct", "rocker"])
@@ -121,9 +121,9 @@ def test_prescribed_motion_runs_until_it_repeats(model):
         options={"finite-element": {"elements_per_coil": 8}},
     )
     case = vt.Case(spring=spring, lift_law=lift)
-    settled = case.run("5900 rpm", model=model).quantities
+    settled = case.run("5900 rpm", models=model).quantities
     long, short = (
-        case.set({"operation.cycles": count}).run("5900 rpm", model=model).quantities
+        case.set({"operation.cycles": count}).run("5900 rpm", models=model).quantities
         for count in (20, 2)
     )
     surge, least = "surge_amplitude_force", "minimum_spring_force"

@@ -89,7 +89,7 @@ def test_the_command_and_a_study_give_the_loads_of_the_card(kind, tmp_path, monk
     heights = [spring.installed_height - lift for lift in loads(spring)]
     words = [word for one in heights for word in ("--height", f"{one:.17g} m")]
     for model in ("", "finite-element"):
-        chosen = ["--spring", model] if model else []
+        chosen = ["--model", model] if model else []
         answer = call("static", "mine.toml", "--spring-set", "card", *chosen, *words, "--json")
         (rest,) = json.loads(answer.stdout)["springs_at_rest"]
         found = [one["force"]["value"] for one in rest["points"]]

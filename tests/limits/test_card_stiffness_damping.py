@@ -46,7 +46,7 @@ def test_modes_meet_the_wave_equation_damped_by_stiffness(modes, off, damped_by_
     case, exact, static_shape = damped_by_stiffness
     assert np.ptp(static_shape) < 0.01 * PRELOAD
     run = case.set({"spring.options.modal-uniform.modes": modes}).run(
-        f"{RPM} rpm", model="modal-uniform"
+        f"{RPM} rpm", models="modal-uniform"
     )
     least = run.quantities["minimum_spring_force"]
     assert least == pytest.approx((exact - static_shape).min(), abs=off * PRELOAD)
@@ -54,12 +54,12 @@ def test_modes_meet_the_wave_equation_damped_by_stiffness(modes, off, damped_by_
 
 def test_the_rod_of_the_wave_equation_has_another_damping(damped_by_stiffness):
     case, exact, _ = damped_by_stiffness
-    run = case.run(f"{RPM} rpm", model="wave-rod")
+    run = case.run(f"{RPM} rpm", models="wave-rod")
     assert abs(run.quantities["minimum_spring_force"] - exact.min()) > 0.05 * PRELOAD
 
 
 def test_the_rod_meets_the_wave_equation_damped_by_mass():
     case, spring = case_of(0.0)
     exact = exact_seat_force(RPM * np.pi / 30, spring.parameters.damping.mass_damping, 0.0, lift)
-    run = case.run(f"{RPM} rpm", model="wave-rod")
+    run = case.run(f"{RPM} rpm", models="wave-rod")
     assert run.quantities["minimum_spring_force"] == pytest.approx(exact.min(), abs=5e-3 * PRELOAD)

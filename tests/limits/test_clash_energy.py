@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import valvetrain as vt
 from valvetrain.cosserat.transient import simulate
 from valvetrain.integrate.clash import PairSeries, find_clashes, impact_impulse, steps_between
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
 from valvetrain.springs.chain_layout import ChainLayout, CoilContacts
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
@@ -221,10 +221,10 @@ def test_at_low_speed_coils_lie_down_and_do_not_strike(word):
     """
     found = []
     for speed in (1000, 8000):
-        study = run_study(
+        study = vt.simulate(
             load_case("gu2021-beehive-blind"),
             engine_speeds=[speed * np.pi / 30],
-            spring_models=[word],
+            models=[word],
             workers=1,
         )
         found.append(study.solutions[0].quantities["largest_clash_impulse"])

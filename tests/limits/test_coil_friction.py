@@ -76,7 +76,7 @@ def imbalance(coefficient: float, time_step: float | None = None) -> float:
     case = vt.load_case("gu2021-beehive")
     options = {"elements_per_coil": 12, "coil_friction": coefficient, "time_step": time_step}
     case = case.replace(springs=(case.springs[0].with_options("finite-element", **options),))
-    study = vt.simulate(case, "8000 rpm", spring_models=["finite-element"], workers=1)
+    study = vt.simulate(case, "8000 rpm", models=["finite-element"], workers=1)
     return float(study.solutions[0].quantities["energy_imbalance_ratio"])
 
 

@@ -104,7 +104,7 @@ def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Pat
         )
     exact = 2 * high
     one = vt.critical_speeds(
-        case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_set=["stiff"], workers=1
+        case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_sets=["stiff"], workers=1
     ).of("contact-loss")
     assert one is not None and one.places == ("cam",) and one.both_motions is None
     assert one.engine_speed == pytest.approx(exact, abs=2 * RPM)
@@ -262,7 +262,7 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
         one = vt.critical_speeds(
             "tdi-pushrod",
             f"7500:8400:{step} rpm",
-            spring_set=["performance"],
+            spring_sets=["performance"],
             resolution="40 rpm",
             ranges=False,
             workers=1,
@@ -300,8 +300,8 @@ def test_critical_speeds_do_not_depend_on_workers_or_on_what_is_kept() -> None:
         return vt.sweep(
             "tdi-pushrod",
             "6900:7500:200 rpm",
-            spring_models=["massless"],
-            spring_set=sets,
+            models=["massless"],
+            spring_sets=sets,
             workers=workers,
             whole=whole,
         )

@@ -37,7 +37,7 @@ def float_speed(mass: float, speeds: str = SPEEDS, model: str = "massless") -> f
     """Float speed (rpm) of the template with a valve of ``mass`` (kg), the nominal value alone."""
     case = vt.Case(TEMPLATE).set({"train.valve.mass": mass})
     row = case.critical_speeds(
-        speeds, model=[model], spring_set=["card"], ranges=False, workers=1
+        speeds, models=[model], spring_sets=["card"], ranges=False, workers=1
     ).of("float")
     assert row is not None and row.found
     return row.engine_speed / RPM
@@ -66,7 +66,7 @@ def test_repeats_from_the_motion_of_a_near_speed_find_what_those_from_rest_find(
 
     def float_row():
         row = vt.Case(TEMPLATE).critical_speeds(
-            "6950:7050:100 rpm", model=["modal-uniform"], spring_set=["card"], workers=1
+            "6950:7050:100 rpm", models=["modal-uniform"], spring_sets=["card"], workers=1
         ).of("float")  # fmt: skip
         assert row is not None
         damped = [one.engine_speed for one in row.members if one.cause == "damping"]
@@ -97,7 +97,7 @@ def test_a_sweep_says_what_lies_between_its_speeds() -> None:
     study = vt.sweep(
         str(TEMPLATE),
         "6000:6500:500 rpm",
-        spring_set=["card"],
+        spring_sets=["card"],
         critical_speeds=False,
         workers=1,
     )
@@ -115,11 +115,11 @@ def test_no_critical_speed_is_that_of_a_run_whose_ends_would_pull() -> None:
     """
     case = vt.Case(TEMPLATE).set({"train.springs.card.0.damping.ratio": 0.0096})
     rows = case.critical_speeds(
-        "6300:6600:150 rpm", "modal-uniform", spring_set="card", ranges=False, workers=1
+        "6300:6600:150 rpm", "modal-uniform", spring_sets="card", ranges=False, workers=1
     )
 
     def pulls(engine_speed: float) -> bool:
-        run = case.run(engine_speed, "modal-uniform", spring_set="card")
+        run = case.run(engine_speed, "modal-uniform", spring_sets="card")
         return any(event.kind == PULL for event in run.events)
 
     assert any(row.pulled for row in rows)
@@ -144,7 +144,7 @@ def test_a_graze_is_one_whatever_speeds_are_searched() -> None:
     """Kind and ends hang on the margin at standstill, not on the largest among the speeds searched."""
     case = vt.Case(TEMPLATE).set({"train.valve.mass": "140 g"})
     wide, near = (
-        case.critical_speeds(speeds, spring_set="card", workers=1).of("contact-loss")
+        case.critical_speeds(speeds, spring_sets="card", workers=1).of("contact-loss")
         for speeds in ("3000:8000:500 rpm", "6000:8000:500 rpm")
     )
     assert wide.onset == near.onset
@@ -156,10 +156,10 @@ def test_a_graze_is_one_whatever_speeds_are_searched() -> None:
 @pytest.mark.parametrize("spring_set", ["card", "wire"])
 def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set: str) -> None:
     case = vt.Case(TEMPLATE)
-    printed = case.critical_speeds("3000:9000:500 rpm", spring_set=[spring_set], workers=1)
+    printed = case.critical_speeds("3000:9000:500 rpm", spring_sets=[spring_set], workers=1)
     others = [
         case.critical_speeds(
-            f"3000:9000:{step} rpm", spring_set=[spring_set], ranges=False, workers=1
+            f"3000:9000:{step} rpm", spring_sets=[spring_set], ranges=False, workers=1
         )
         for step in (250, 100)
     ]
@@ -174,8 +174,8 @@ def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set:
             others.append(
                 changed.critical_speeds(
                     "3000:9000:500 rpm",
-                    model=[model],
-                    spring_set=[spring_set],
+                    models=[model],
+                    spring_sets=[spring_set],
                     ranges=False,
                     workers=1,
                 )
@@ -196,7 +196,7 @@ def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set:
 def test_the_cause_of_a_loss_of_contact_is_the_same_on_every_grid() -> None:
     """By the next speed swept it was surge, inertia or vibration."""
     found = [
-        vt.sweep("tdi-pushrod", speeds, spring_models=["multi-mass"], spring_set="stock", workers=1)
+        vt.sweep("tdi-pushrod", speeds, models=["multi-mass"], spring_sets="stock", workers=1)
         for speeds in ("6800:7000:200 rpm", "6820:6970:50 rpm")
     ]  # fmt: skip
     coarse, fine = (one.critical_speeds.of("contact-loss") for one in found)
@@ -214,7 +214,7 @@ def test_run_sweep_row_and_event_log_give_one_cause_of_one_loss() -> None:
     """Contract: of the same loss the sweep said inertia, the row surge and the log that the train vibrates. Rigid parts
     lose contact at 7148 rpm: above 98 % of that it is inertia to all of them.
     """
-    ways = {"spring_models": ["multi-mass"], "spring_set": "stock", "workers": 1}
+    ways = {"models": ["multi-mass"], "spring_sets": "stock", "workers": 1}
     sweep = vt.sweep("tdi-pushrod", "6800:7000:200 rpm", **ways)
     row = sweep.critical_speeds.of("contact-loss")
     for engine_speed, cause in ((row.engine_speed / RPM + 3, row.cause), (7200.0, Cause.INERTIA)):
@@ -228,7 +228,7 @@ def test_run_sweep_row_and_event_log_give_one_cause_of_one_loss() -> None:
 
 def test_the_curve_of_a_sweep_reaches_zero_where_contact_is_marked_as_lost() -> None:
     row = vt.critical_speeds(
-        "tdi-pushrod", "6800:7000:200 rpm", spring_models=["multi-mass"], spring_set="stock", ranges=False, workers=1
+        "tdi-pushrod", "6800:7000:200 rpm", models=["multi-mass"], spring_sets="stock", ranges=False, workers=1
     ).of("contact-loss")  # fmt: skip
     above = [force for speed, force in row.curve if speed > row.engine_speed * (1 + 1e-6)]
     below = [force for speed, force in row.curve if speed < row.engine_speed * (1 - 1e-6)]

@@ -30,7 +30,7 @@ def slow(model, **damping):
             "spring.options": {"multi-mass": {"from_rod": False}},  # the mass of the wire itself
         },
     )
-    return vt.simulate(case, spring_models=[model]).solutions[0].quantities
+    return vt.simulate(case, models=[model]).solutions[0].quantities
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_a_spring_without_damping_loses_nothing():
 
 
 def test_what_the_cam_puts_into_a_train_is_lost_in_contacts_and_damper():
-    found = vt.simulate("vaz-ohc", "3000 rpm", spring_models=["multi-mass"]).solutions[0].quantities
+    found = vt.simulate("vaz-ohc", "3000 rpm", models=["multi-mass"]).solutions[0].quantities
     lost = found["cycle_dissipated_energy"] + found["cycle_damper_energy"]
     assert 0 < found["cycle_damper_energy"] < lost
     assert lost == pytest.approx(found["cycle_work_energy"], rel=5e-3)

@@ -80,7 +80,7 @@ def test_bars_of_a_reduced_rod_hold_a_finer_division_in_every_number():
 def test_rods_in_a_train_forget_their_start():
     """Limit: the numbers of twelve revolutions; the valve repeats after one, when its spring does not."""
     case = Subject("finger", "stock", ()).case()
-    ways = {"spring_models": "finite-element", "spring_set": "stock", "workers": 1}
+    ways = {"models": "finite-element", "spring_sets": "stock", "workers": 1}
     first, long = (
         vt.simulate(one, "8000 rpm", **ways).solutions[0]
         for one in (case, vt.Case(case).set({"train.cycles": 12}).parameters)
@@ -92,7 +92,7 @@ def test_rods_in_a_train_forget_their_start():
 
 def test_a_library_case_has_bars_of_its_own_beside_the_stored_ones():
     """Stored bars belong to the runs of the case; another speed of it computes its own."""
-    ways = {"spring_models": "multi-mass", "spring_set": "stock", "workers": 1}
+    ways = {"models": "multi-mass", "spring_sets": "stock", "workers": 1}
     elsewhere = vt.simulate("tdi-pushrod", "5000 rpm", compute="error_bars", **ways)
     rows = {row.quantity: row for row in elsewhere.error_bars.rows}
     assert rows["minimum_spring_force"].numerical > 0

@@ -37,7 +37,7 @@ def ends_of(run, kind: str):
 
 @pytest.mark.parametrize("model", ["multi-mass", "wave-rod", "finite-element"])
 def test_bonded_ends_pull_and_others_lift_off_and_strike(model):
-    bonded, lifting = (case_of(ends).run(SPEED, model=model) for ends in ("bonded", None))
+    bonded, lifting = (case_of(ends).run(SPEED, models=model) for ends in ("bonded", None))
     assert bonded.quantities["minimum_spring_force"] < -100
     assert not [event for event in bonded.events if event.kind.startswith("end-")]
     assert lifting.quantities["minimum_spring_force"] == pytest.approx(0.0, abs=1e-9)
@@ -51,7 +51,7 @@ def test_the_blow_of_an_end_coil_is_that_of_its_mass_on_its_contact():
     damping takes and the wire adds is within a tenth.
     """
     case = case_of("lifting")
-    run = case.run(SPEED, model="finite-element")
+    run = case.run(SPEED, models="finite-element")
     (spring,) = build(case.parameters, spring_models=["finite-element"]).members[0].system().springs
     assert isinstance(spring, FiniteElementRod) and spring.dynamics.ends is not None
     mass = spring.dynamics.ends.masses(spring.mesh)[0]
@@ -89,7 +89,7 @@ def test_in_a_train_lifting_ends_move_the_valve_as_bonded_ones_until_they_lift()
     coarse = {f"{spring}.options.finite-element.elements_per_coil": 12}
     runs = {
         ends: case.set({f"{spring}.end_contact": ends} | coarse).run(
-            "4500 rpm", model="finite-element", spring_set="wire"
+            "4500 rpm", models="finite-element", spring_sets="wire"
         )
         for ends in ("bonded", "lifting")
     }
@@ -103,7 +103,7 @@ def test_in_a_train_lifting_ends_move_the_valve_as_bonded_ones_until_they_lift()
 def test_ends_that_stay_pressed_are_those_of_bonded_ones():
     """Limit: below the speed at which an end would pull, the rod of a spring that may lift is the bonded one."""
     free, bonded = (
-        case_of(ends).run("4000 rpm", model="finite-element") for ends in (None, "bonded")
+        case_of(ends).run("4000 rpm", models="finite-element") for ends in (None, "bonded")
     )
     assert bonded.quantities["minimum_spring_force"] > 0
     assert free.quantities["peak_spring_force"] == bonded.quantities["peak_spring_force"]

@@ -111,7 +111,7 @@ def test_no_set_up_in_cam_degrees_is_needed():
     by_nose = base.set(
         {"train.crank.lobe_centre": "105 deg", "lift_law.top_dead_centre": "140 deg"}
     )
-    found = [around_top(one.run("6000 rpm", model="massless")) for one in (base, moved, by_nose)]
+    found = [around_top(one.run("6000 rpm", models="massless")) for one in (base, moved, by_nose)]
     at = np.linspace(-60, 60, 25)
     first, *others = (np.interp(at, *pair) for pair in found)
     for other in others:

@@ -16,8 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.findings.facts import Facts
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
+from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import grid_bar
-from valvetrain.runs.run import run_study
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.status import Event
@@ -37,7 +37,7 @@ def engine(**options) -> vt.Case:
 
 
 def run_of(case: vt.Case, model: str, speed: str, workers: int = 1) -> Study:
-    ways = {"spring_models": model, "spring_set": "card", "workers": workers}
+    ways = {"models": model, "spring_sets": "card", "workers": workers}
     return vt.simulate(case.parameters, speed, compute="error_bars", **ways)
 
 
@@ -122,13 +122,13 @@ def test_openings_of_a_few_micrometres_are_there_or_not():
 def test_bars_do_not_depend_on_workers_nor_on_the_way_in():
     case = engine()
     simulated = run_of(case, "modal-uniform", "6000 rpm", workers=2)
-    at_once = run_study(
+    at_once = simulate(
         case.parameters,
         engine_speeds=simulated.engine_speeds,
-        spring_models=("modal-uniform",),
+        models=("modal-uniform",),
         spring_sets=("card",),
         workers=1,
-        error_bars=True,
+        compute="error_bars",
     )
     assert at_once.error_bars == simulated.error_bars and len(at_once.error_bars.rows) > 10
     told = {one["quantity"]: one for one in study_json(at_once)["uncertainties"]}
@@ -138,9 +138,7 @@ def test_bars_do_not_depend_on_workers_nor_on_the_way_in():
 
 def test_what_has_no_bar_says_why():
     """A spring without mass under prescribed motion has neither division nor step; in a train it has a step."""
-    study = vt.simulate(
-        "job-t", "3000 rpm", spring_models="massless", compute="error_bars", workers=1
-    )
+    study = vt.simulate("job-t", "3000 rpm", models="massless", compute="error_bars", workers=1)
     assert study.error_bars.rows == ()
     (without,) = study.error_bars.missing
     assert without.label == "massless" and without.reason in REASONS
@@ -151,7 +149,7 @@ def test_what_has_no_bar_says_why():
 
 
 CASES = [
-    ("gu2021-beehive-blind", "4200, 4500 rpm", {"spring_models": "finite-element"}),
+    ("gu2021-beehive-blind", "4200, 4500 rpm", {"models": "finite-element"}),
     *(pytest.param(name, speeds, {}, marks=pytest.mark.long) for name, speeds in (
         ("tdi-pushrod", "4000, 5500 rpm"), ("vaz-ohc", "4136, 3000 rpm"), ("gu2021-beehive-blind", "8000, 6000 rpm"),
         ("job-t", "3000, 5000 rpm"), ("job-c", "3000, 5000 rpm"), ("uniform-spring", "3000 rpm"), ("direct", "3000, 6000 rpm"),
@@ -198,7 +196,7 @@ def test_a_study_and_a_search_have_the_bars_of_runs_of_their_points():
     table = vt.study(f"{file}{points}{vary}", workers=1)
     assert list(table.error_bars) == [0]
     alone = vt.Case(vt.load_case("job-c")).set({"spring.precompression": "6 mm"})
-    ways = {"spring_models": "modal-uniform", "workers": 1}
+    ways = {"models": "modal-uniform", "workers": 1}
     study = vt.simulate(alone.parameters, "4000 rpm", compute="error_bars", **ways)
     row, same = bars_of(study)["peak_spring_force"], table.error_bars[0]["peak_spring_force"]
     assert same.numerical == pytest.approx(row.numerical, rel=1e-6) and row.numerical > 0
@@ -273,7 +271,7 @@ def test_bars_of_coarse_chains_hold_in_every_template():
         )
         finest = case.set({f"train.springs.{card}.0.options.modal-uniform.modes": 80})
         for rpm in (2500, 3500, 4500, 5200, 5800):
-            ways = {"spring_set": card, "workers": 1}
+            ways = {"spring_sets": card, "workers": 1}
             limit = finest.run(f"{rpm} rpm", "modal-uniform", **ways).quantities
             study = vt.simulate(
                 case.parameters, f"{rpm} rpm", "multi-mass", compute="error_bars", **ways

@@ -17,7 +17,7 @@ from valvetrain.runs.statics import axial_frequencies
 def test_it_moves_its_train_as_the_rod_does():
     case = str(files("valvetrain") / "templates" / "pushrod.toml")
     both = vt.simulate(
-        case, "5500 rpm", spring_models=["finite-element", "reduced-rod"], spring_set="wire"
+        case, "5500 rpm", models=["finite-element", "reduced-rod"], spring_sets="wire"
     )
     rod, reduced = both.solutions
     assert reduced.quantities["minimum_spring_force"] == pytest.approx(

@@ -22,13 +22,11 @@ def test_a_spike_that_is_too_high_is_said():
 def test_a_run_whose_clash_is_too_hard_says_so():
     """At 10000 rpm the peak of job C is 12 % off that of its rod, at 2000 rpm, where no coil clashes, none is."""
     speeds = ["2000 rpm", "10000 rpm"]
-    study = vt.simulate(
-        "job-c", speeds, spring_models=["reduced-rod"], compute="error_bars", workers=1
-    )
+    study = vt.simulate("job-c", speeds, models=["reduced-rod"], compute="error_bars", workers=1)
     (fact,) = with_code(study.error_bars.facts, "too-hard")
     assert fact.fields["engine_speed"] == max(study.engine_speeds)
     assert fact.fields["peak_share"] > 0.01
-    rods = vt.simulate("job-c", speeds, spring_models=["finite-element"], workers=1)
+    rods = vt.simulate("job-c", speeds, models=["finite-element"], workers=1)
     shares = [
         abs(run.quantities["peak_spring_force"] / rod.quantities["peak_spring_force"] - 1)
         for run, rod in zip(study.solutions, rods.solutions, strict=True)

@@ -14,7 +14,7 @@ import pytest
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.clash import clash_events
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 
 ENGINE_SPEED = 7000 * np.pi / 30
 COUNTED = ("peak_clash_force", "surge_clash_peak_force", "clash_energy", "largest_clash_energy")
@@ -41,10 +41,10 @@ def clashing(model: str, faster: float = 1.0, turn: float = 0.0, revolutions: in
         "lift_law.opening_start": f"{127 + turn!r} deg",
         "lift_law.closing_end": f"{233 + turn!r} deg",
     }
-    study = run_study(
+    study = simulate(
         load_case("job-c", changes),
         engine_speeds=[faster * ENGINE_SPEED],
-        spring_models=[model],
+        models=[model],
         workers=1,
     )
     (run,) = study.solutions

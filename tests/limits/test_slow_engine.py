@@ -39,7 +39,7 @@ def template():
 
 
 def headline(case, model, engine_speed="1500 rpm"):
-    run = case.run(engine_speed, model=model)
+    run = case.run(engine_speed, models=model)
     assert run.status.code in ("completed", "not-converged")
     return run, dict(run.quantities)
 

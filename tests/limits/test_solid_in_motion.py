@@ -16,7 +16,7 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.facts import with_code
 from valvetrain.solution.result import Solution
@@ -89,11 +89,11 @@ def apart(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def study():
-    return run_study(
+    return simulate(
         parse_case(SPRING, "short"),
-        spring_models=["finite-element", "solid"],
+        models=["finite-element", "solid"],
         workers=1,
-        error_bars=True,
+        compute="error_bars",
     )
 
 
@@ -118,7 +118,7 @@ def test_rod_and_solid_agree_where_coils_clash(apart):
     force within 1 % of its span, root mean square (13 % and 4 % where the first foot is held at
     half a station)."""
     case = load_case("job-c", {"spring.options.finite-element.curvature_correction": True})
-    study = run_study(case, spring_models=["finite-element", "solid"], workers=1)
+    study = simulate(case, models=["finite-element", "solid"], workers=1)
     rod, solid = (fine_filtered(run, 10e3) for run in study.solutions)
     times = [fine_series(run)[0] for run in study.solutions]
     there = np.interp(times[0], times[1], solid)
@@ -194,7 +194,7 @@ def test_a_damaged_stored_run_is_computed_again(apart):
 def test_a_train_of_cards_is_refused():
     """Contract: a spring known by its card only has no body; the sentence says what is missing."""
     with pytest.raises(InputError, match="need its wire"):
-        run_study(load_case("tdi-pushrod"), spring_models=["solid"])
+        simulate(load_case("tdi-pushrod"), models=["solid"])
 
 
 def test_springs_in_guides_are_refused():
@@ -209,7 +209,7 @@ def test_ends_that_would_lift_are_told():
     text = SPRING.replace('"4 mm"\n[spring.lower', '"0.01 mm"\n[spring.lower').replace(
         "7000 rpm", "9000 rpm"
     )
-    study = run_study(parse_case(text, "loose"), spring_models=["solid"], workers=1)
+    study = simulate(parse_case(text, "loose"), models=["solid"], workers=1)
     (run_of,) = study.solutions
     pulled = run_of.channel("seat_force").min() < 0 or run_of.channel("retainer_force").min() < 0
     assert pulled and with_code(study.facts, "ends-bonded")
@@ -278,12 +278,12 @@ def test_ground_wire_touches_over_its_face():
 
 @pytest.fixture(scope="module")
 def coils() -> Study:
-    return run_study(parse_case(PROGRESSIVE, "progressive"), spring_models=["solid"], workers=1)
+    return simulate(parse_case(PROGRESSIVE, "progressive"), models=["solid"], workers=1)
 
 
 @pytest.fixture(scope="module")
 def cone() -> Study:
-    return run_study(parse_case(CONE, "cone"), spring_models=["solid"], workers=1)
+    return simulate(parse_case(CONE, "cone"), models=["solid"], workers=1)
 
 
 def test_forces_per_length_add_up_to_those_of_pairs(coils):

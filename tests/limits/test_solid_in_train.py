@@ -13,7 +13,7 @@ from valvetrain.integrate.solid_in_train import motion_of
 from valvetrain.parameters.installed_spring import Rubbing
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs import own_error_bars
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.runs.run_up import run_up
 from valvetrain.runs.train_runs import train_modes
 from valvetrain.solution.facts import with_code
@@ -40,10 +40,10 @@ def pushrod():
 
 @pytest.fixture(scope="module")
 def study():
-    return run_study(
+    return simulate(
         pushrod(),
         engine_speeds=[5000 * RPM],
-        spring_models=["finite-element", "solid"],
+        models=["finite-element", "solid"],
         workers=1,
     )
 
@@ -128,13 +128,13 @@ def test_springs_of_a_pair_move_each_by_itself(tmp_path, monkeypatch):
     )
     train = case.train.replace(springs={"nested": pair}, spring_set="nested", variants=(), cycles=3)
     chosen = case.replace(train=train)
-    first = run_study(chosen, spring_models=["solid"], workers=1).solutions[0]
+    first = simulate(chosen, models=["solid"], workers=1).solutions[0]
     assert first.status.completed and len(list(tmp_path.glob("*.nc"))) == 3
     both = first.channel("outer_seat_force") + first.channel("inner_seat_force")
     assert first.channel("seat_force") == pytest.approx(both)
     parts = [first.statistics[f"{one}_peak_spring_force"] for one in ("outer", "inner")]
     assert max(parts) < first.quantities["peak_spring_force"] <= sum(parts) * (1 + 1e-9)
-    again = run_study(chosen, spring_models=["solid"], workers=1).solutions[0]
+    again = simulate(chosen, models=["solid"], workers=1).solutions[0]
     assert np.array_equal(again.channel("inner_seat_force"), first.channel("inner_seat_force"))
     assert len(list(tmp_path.glob("*.nc"))) == 3
 
@@ -149,6 +149,6 @@ def test_what_solids_cannot_follow_is_refused():
     with pytest.raises(InputError, match="rub on one another"):
         build(case.replace(train=train), spring_models=["solid"]).members[0].system()
     with pytest.raises(InputError, match="run-up"):
-        run_up(pushrod(), "3000 rpm", "4000 rpm", "0.5 s", spring_models="solid")
+        run_up(pushrod(), "3000 rpm", "4000 rpm", "0.5 s", models="solid")
     solid, rod = (train_modes(pushrod(), one) for one in ("solid", "finite-element"))
     assert solid[0].natural_frequency == pytest.approx(rod[0].natural_frequency)

@@ -198,15 +198,15 @@ def test_run_up_goes_from_speed_to_speed_and_passes_through_the_steady_states():
 
 def test_nested_springs_that_rub_take_more_energy():
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.run import run_study
+    from valvetrain.runs.api import simulate
 
     taken = []
     for rubbing in ({}, {"train.rubbing": {"coefficient": 0.15, "normal_force": "60 N"}}):
         case = load_case("vaz-ohc", rubbing)
-        study = run_study(
+        study = simulate(
             case,
             engine_speeds=case.operation.engine_speeds[:1],
-            spring_models=["multi-mass"],
+            models=["multi-mass"],
             spring_sets=["nested-cards"],
             workers=1,
         )
@@ -230,7 +230,7 @@ def test_nested_springs_that_stick_surge_as_one():
     for force in (0, 1000):
         stuck = load_case("vaz-ohc", {"train.rubbing": {"coefficient": 0.12, "normal_force": f"{force} N"}})  # fmt: skip
         for speed in (4100, 4225, 4350):
-            (run,) = simulate(stuck, f"{speed} rpm", spring_models="multi-mass", spring_set="nested", workers=1).solutions  # fmt: skip
+            (run,) = simulate(stuck, f"{speed} rpm", models="multi-mass", spring_sets="nested", workers=1).solutions  # fmt: skip
             found[force, speed] = (
                 run.quantities["surge_amplitude_force"],
                 run.quantities.get("surge_amplitude_cam_order", 0.0),

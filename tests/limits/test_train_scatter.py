@@ -14,7 +14,7 @@ from valvetrain.integrate.train_channels import COMPARED, STEADY_VALVE, cycle_nu
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import parse_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.system.build import build
 
 RPM = np.pi / 30
@@ -46,7 +46,7 @@ def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
 
 @pytest.fixture(scope="module")
 def rattling():
-    return run_study(pushrod("0.1 mm"), engine_speeds=[3000 * RPM], workers=1)
+    return simulate(pushrod("0.1 mm"), engine_speeds=[3000 * RPM], workers=1)
 
 
 def test_rattle_between_events_is_no_failure_and_its_scatter_is_told(rattling):
@@ -80,13 +80,13 @@ def test_rattle_between_events_is_no_failure_and_its_scatter_is_told(rattling):
 
 
 def test_a_train_that_repeats_has_no_scatter():
-    (found,) = run_study(pushrod("0.1 mm"), engine_speeds=[1000 * RPM], workers=1).solutions
+    (found,) = simulate(pushrod("0.1 mm"), engine_speeds=[1000 * RPM], workers=1).solutions
     assert found.status.sentence() == "completed" and found.quantities["motion_period_count"] == 1
     assert not [name for name in found.quantities if name.startswith("cycle_scatter_")]
 
 
 def test_a_valve_that_floats_does_not_settle():
-    (found,) = run_study(
+    (found,) = simulate(
         pushrod("0.56 mm", "0 N m", "massless"), engine_speeds=[8000 * RPM], workers=1
     ).solutions
     assert found.status.code == "not-converged" and "the valve lift by" in found.status.message
@@ -134,8 +134,8 @@ def test_a_bucket_that_rattles_on_its_rod_says_by_how_much():
     """The bucket template with a lash of its own, just below float: a rod had no scatter."""
     text = resources.files("valvetrain").joinpath("templates/direct.toml").read_text("utf-8")
     case = parse_case(text.replace('lash = "0.1 mm"', 'lash = "0.15 mm"'))
-    (run,) = run_study(
-        case, engine_speeds=[7900 * RPM], spring_models=("finite-element",), spring_sets=("stock",), workers=1
+    (run,) = simulate(
+        case, engine_speeds=[7900 * RPM], models=("finite-element",), spring_sets=("stock",), workers=1
     ).solutions  # fmt: skip
     assert run.status.completed and run.statistics["steady_residual_ratio"] > 1e-4
     assert 1.0 < run.quantities["cycle_scatter_peak_seat_contact_force"] < 300.0

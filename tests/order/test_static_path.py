@@ -78,7 +78,7 @@ def test_static_run_modes_and_python_say_one_preload_and_one_rate(beehive):
     for command in (["static", *arguments, "--steps", "4"], ["modes", *arguments, "--count", "4"]):
         found = json.loads(CliRunner().invoke(app, command).stdout)["quantities"]
         said.append((found["preload"]["value"], found["installed_rate"]["value"]))
-    run = vt.simulate(beehive, "4200 rpm", spring_models=["massless"]).quantities
+    run = vt.simulate(beehive, "4200 rpm", models=["massless"]).quantities
     said.append((run["preload"], run["installed_rate"]))
     curve = vt.static_curve(beehive, steps=5)
     said.append((curve.force_at("7 mm"), curve.stiffness_at("7 mm")))

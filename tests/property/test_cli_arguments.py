@@ -26,8 +26,8 @@ WORDS = st.one_of(
     st.sampled_from(
         (
             *typed("run compare sweep static modes runs compare-runs new cases check"),
-            *typed("--json --quiet --limit --kind --set --engine-speed --to --steps --count"),
-            *typed("--compression --elements-per-coil --spring --workers --output --no-report"),
+            *typed("--json --quiet --limit --kind --set --rpm --to --steps --count"),
+            *typed("--compression --elements-per-coil --model --workers --output --no-report"),
             *typed("job-c uniform-spring '4200 rpm' '7 mm' 8 -- - '' 'spring.pitch=7 mm'"),
             *typed("spring.total_coils=1e400 lift_law.power={a=1} published.0.role=x"),
             *typed("spring.options.finite-element.elements_per_coil=true spring=[[["),
@@ -99,10 +99,10 @@ def test_any_setting(command, case, path, value):
     st.sampled_from(["run", "compare", "sweep"]),
     st.sampled_from(
         [
-            "--engine-speed",
+            "--rpm",
             "--workers",
             "--elements-per-coil",
-            "--spring",
+            "--model",
             "--spring-set",
             "--output",
             "--limit",

@@ -120,7 +120,7 @@ def test_what_the_blind_spring_computes_stands_beside_the_fitted_number(study: S
 def test_the_readme_has_the_range_of_both_springs(study: Study) -> None:
     words = r"calibrated (\d+) to (\d+) N, blind prediction (\d+) to (\d+) N, for 1430 N"
     (numbers,) = re.findall(words, (ROOT / "README.md").read_text(encoding="utf-8"))
-    blind = vt.simulate("gu2021-beehive-blind", "8000 rpm", spring_models=[ROD], workers=1)
+    blind = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=[ROD], workers=1)
     expected = [
         run.quantities[f"stage_3_{end}_sampled_peak_force"]
         for run in (study.solution(ROD, 8000 * RPM), blind.solutions[0])
@@ -180,7 +180,7 @@ def test_a_case_of_ones_own_that_names_the_study_is_compared_with_it(tmp_path) -
     text = (ROOT / "src/valvetrain/parameters/library/gu2021-beehive.toml").read_text("utf-8")
     own = tmp_path / "own.toml"
     own.write_text(text.partition("[[published]]")[0], encoding="utf-8")
-    made = vt.simulate(str(own), "8000 rpm", spring_models=["finite-element"], workers=1)
+    made = vt.simulate(str(own), "8000 rpm", models=["finite-element"], workers=1)
     assert made.comparisons and {row.role for row in made.comparisons} == {"check"}
     assert {row.quantity for row in made.comparisons} >= {"preload", "stage_2_valley_force"}
     assert made.findings

@@ -86,6 +86,6 @@ def test_a_draw_at_the_values_of_the_beehive_is_the_beehive() -> None:
     case = vt.load_case(
         "gu2021-beehive-blind", {"spring.options.finite-element.elements_per_coil": 8}
     )
-    (run,) = vt.simulate(case, "4200 rpm", spring_models=["finite-element"]).solutions
+    (run,) = vt.simulate(case, "4200 rpm", models=["finite-element"]).solutions
     for name in ("stage_1_minimum_force", "stage_2_peak_force"):
         assert found[f"4200 {name}"] == pytest.approx(run.quantities[name], rel=1e-3)

@@ -13,7 +13,7 @@ from book_page import assert_page_holds
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.signal import low_pass
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.solution.study import Study
 
 RPM = 2 * np.pi / 60
@@ -23,7 +23,7 @@ SLOW = 2500.0
 
 @pytest.fixture(scope="module")
 def study() -> Study:
-    return run_study(load_case("gu2021-beehive-blind"), workers=2)
+    return simulate(load_case("gu2021-beehive-blind"), workers=2)
 
 
 def quantity(study: Study, name: str, rpm: float | None, label: str = "finite-element") -> float:

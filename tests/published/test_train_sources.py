@@ -15,7 +15,9 @@ from validation.sources import rows_of
 from book_page import assert_page_holds
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import rigid_table
-from valvetrain.runs.run import run_problem, run_study, sweep_study
+from valvetrain.runs.api import simulate, sweep
+from valvetrain.runs.requests import Run
+from valvetrain.runs.run import run_problem
 from valvetrain.system.build import build
 
 RPM = math.pi / 30
@@ -24,7 +26,7 @@ RPM = math.pi / 30
 @pytest.fixture(scope="module")
 def pushrod():
     case = load_case("tdi-pushrod")
-    return run_study(case, spring_sets=("as printed",), workers=1)
+    return simulate(case, spring_sets=("as printed",), workers=1)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +36,7 @@ def valve_gear():
     cheap = replace(
         problem, members=problem.only(lambda member: member.model.word != "finite-element")
     )
-    return run_problem(cheap, problem.engine_speeds, workers=1)
+    return run_problem(cheap, problem.engine_speeds, Run(case=load_case("vaz-ohc"), workers=1))
 
 
 def computed(study, name):
@@ -148,7 +150,7 @@ def test_rod_and_chain_of_many_masses_are_the_same_spring():
             train=train.replace(springs={**train.springs, "nested-cards": parts})
         )
         return (
-            run_study(changed, spring_models=(word,), spring_sets=("nested-cards",), workers=1)
+            simulate(changed, models=(word,), spring_sets=("nested-cards",), workers=1)
             .solution(word)
             .channel("retainer_force")
         )
@@ -168,10 +170,10 @@ def test_contact_is_lost_at_the_speed_of_rigid_theory_and_later_with_the_stiffer
         ("stock", (6900, 7100, 7200, 7900, 8000)),
         ("performance", (8700, 8900, 9050, 9900, 10000)),
     ):
-        study = sweep_study(
+        study = sweep(
             case,
             [speed * RPM for speed in speeds],
-            spring_models=("massless",),
+            models=("massless",),
             spring_sets=(chosen,),
             workers=1,
         )
@@ -207,5 +209,5 @@ def test_a_case_changes_spring_and_contact_by_one_word():
     (member,) = build(changed, spring_models=("massless",)).members
     table = rigid_table(member.system(), member.gear.parameters, 2000 * RPM)
     assert table["contact_force"].max() == pytest.approx(588, rel=0.03)
-    one = run_study(changed, spring_models=("wave-rod",), workers=1)
+    one = simulate(changed, models=("wave-rod",), workers=1)
     assert one.solutions and not one.failures

@@ -52,9 +52,7 @@ def test_the_command_says_it_with_the_option_that_lets_it_pass(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.toml").write_text(template_text("spring"))
     said = sentence(
-        call(
-            "run", "own.toml", "--set", "spring.wire_diameter=0.3 mm", "--engine-speed", "4000 rpm"
-        )
+        call("run", "own.toml", "--set", "spring.wire_diameter=0.3 mm", "--rpm", "4000 rpm")
     )
     assert "0.3 mm" in said and "--implausible" in said
 
@@ -76,7 +74,7 @@ def test_a_spring_installed_at_its_free_length_has_no_preload(height):
         InstalledSpring(wire=wire, precompression=abs(wire.free_length - 0.0441)).precompression
         < 1e-15
     )
-    run = made.run("3000 rpm", model="massless")
+    run = made.run("3000 rpm", models="massless")
     assert run.status.completed and not run.gaps, run.gaps
     assert run.quantities["minimum_spring_force"] == pytest.approx(0.0, abs=1e-6)
 

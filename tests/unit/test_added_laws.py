@@ -53,18 +53,18 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.runs.compare import compare_study
-from valvetrain.runs.run import run_study
-from valvetrain.runs.run import sweep_study
+from valvetrain.runs.api import compare
+from valvetrain.runs.api import simulate
+from valvetrain.runs.api import sweep
 from valvetrain.solution.quantity import unit_of
 from valvetrain.system.build import build
 
 assert {"progressive"} < set(registry.names("springs")) and {"versine"} < set(registry.names("lifts"))
 case = parse_case(sys.stdin.read(), "own-case")
-study = run_study(case, spring_models=["progressive", "massless"], workers=1)
+study = simulate(case, models=["progressive", "massless"], workers=1)
 run = study.solution("progressive")
 assert run.status.completed, run.status.sentence()
-(member, _) = build(case, spring_models=["progressive", "massless"]).members
+(member, _) = build(case, models=["progressive", "massless"]).members
 (spring,) = member.system().springs
 assert isinstance(spring, SpringModel)
 plain = EquivalentSpring.from_installed(case.springs[0])
@@ -73,10 +73,10 @@ assert abs(run.quantities["raw_peak_spring_force"] - top) < 1e-6 * top, (run.qua
 assert abs(run.channel("valve_lift").max() - 8e-3) < 1e-9
 assert study.solution("massless").quantities["peak_spring_force"] < 0.9 * top
 assert run.provenance.options["rise"] == 0.5 and run.provenance.options["reach"] == 8e-3
-compared = compare_study(case, spring_models=["progressive", "massless"], workers=1)
+compared = compare(case, models=["progressive", "massless"], workers=1)
 still = compared.at_rest("progressive").curve
 assert abs(still.force_at(15e-3) - top) < 1e-3 * top
-assert len(sweep_study(case, [200.0, 300.0], spring_models=["progressive"], workers=2).solutions) == 2
+assert len(sweep(case, [200.0, 300.0], models=["progressive"], workers=2).solutions) == 2
 assert pickle.loads(pickle.dumps(study)).solution("progressive").identical(run)
 # a train by all three: its lift law, a contact of it, its springs
 changes = {
@@ -86,7 +86,7 @@ changes = {
     "train.springs.stock.0.options": {"progressive": {"rise": 0.3}},
 }
 train = load_case("tdi-pushrod", changes)
-found = run_study(train, engine_speeds=[2000 * np.pi / 30], spring_models=["progressive"], workers=1)
+found = simulate(train, engine_speeds=[2000 * np.pi / 30], models=["progressive"], workers=1)
 (run,) = found.solutions
 assert run.status.completed, run.status.sentence()
 card = train.train.springs["stock"][0].card
@@ -99,8 +99,8 @@ assert 100 < np.median(closed) < card.preload + 10
 deep = -run.channel("seat_gap")[np.argmax(seat)]
 print("seat", float(np.median(closed)), "peak", float(seat.max()), "depth", float(deep))
 # a train kind of its own: a torsion spring on the rocker, whose moment follows from the rocker's angle
-own = run_study(load_case("tdi-pushrod", {"train.kind": "held-rocker"}), engine_speeds=[200.0], spring_models=["massless"], workers=1)
-plain = run_study(load_case("tdi-pushrod"), engine_speeds=[200.0], spring_models=["massless"], workers=1)
+own = simulate(load_case("tdi-pushrod", {"train.kind": "held-rocker"}), engine_speeds=[200.0], models=["massless"], workers=1)
+plain = simulate(load_case("tdi-pushrod"), engine_speeds=[200.0], models=["massless"], workers=1)
 (one, *_), (other, *_) = own.solutions, plain.solutions
 assert one.status.completed, one.status.sentence()
 angle = one.channel("lever_angle")
@@ -110,7 +110,7 @@ assert one.channels["rocker_spring_moment"].attrs["units"] == "N m"
 speeds = [next(iter(study.still.values()))["rigid_contact_loss_engine_speed"] for study in (own, plain)]
 assert 1.0 < speeds[0] / speeds[1] < 1.5, speeds  # the spring helps a little
 # over processes too
-both = sweep_study(train, [200.0, 260.0], spring_models=["progressive"], spring_sets=["stock"], workers=2)
+both = sweep(train, [200.0, 260.0], models=["progressive"], spring_sets=["stock"], workers=2)
 assert all(run.status.completed for run in both.solutions), both.failures
 for key in ("rize", "reech"):
     try:
@@ -142,10 +142,10 @@ def command(*arguments):
 
 os.chdir(sys.argv[1])
 Path("own-case.toml").write_text(sys.stdin.read())
-few = ("own-case.toml", "--spring", "massless")
+few = ("own-case.toml", "--model", "massless")
 terminal = command("run", *few)
-swept = command("sweep", *few, "--engine-speed", "2000:4000:1000 rpm")
-many = command("run", *few, "--engine-speed", "2000:4000:400 rpm")
+swept = command("sweep", *few, "--rpm", "2000:4000:1000 rpm")
+many = command("run", *few, "--rpm", "2000:4000:400 rpm")
 assert all("mean spring force" in one.lower() for one in (terminal, swept, many)), (terminal, swept, many)
 answer = json.loads(command("run", *few, "--json"))
 found = answer["runs"][0]["quantities"]["mean_spring_force"]

@@ -41,6 +41,6 @@ def test_a_key_that_the_case_lacks_takes_a_bare_si_number():
     assert "friction" not in case.text
     table = case.study(
         {"train.valve.friction": [1.0, 30.0]}, ["peak_valve_lift"], sampling="grid",
-        engine_speeds="2000 rpm", models="massless", spring_set="stock", workers=1,
+        engine_speeds="2000 rpm", models="massless", spring_sets="stock", workers=1,
     )  # fmt: skip
     assert all(math.isfinite(one) for one in table.values.ravel())

@@ -9,7 +9,7 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.api import simulate, sweep
 from valvetrain.runs.workers import available_cores, map_cases, map_points
 
 RPM = math.pi / 30
@@ -50,8 +50,8 @@ def test_no_worker_is_refused():
         map_cases(square, (1,), 0)
     with pytest.raises(InputError, match="workers must be 1 or more"):
         map_points(scaled, 3.0, (1,), 0)
-    with pytest.raises(InputError, match="workers must be 1 or more"):
-        run_study(load_case("job-t"), workers=0)
+    with pytest.raises(InputError, match="0 is outside 1 to 256"):
+        simulate(load_case("job-t"), workers=0)
 
 
 def same_bits(one, two) -> None:
@@ -72,7 +72,7 @@ def test_a_sweep_is_the_same_to_the_bit_for_any_number_of_workers():
     case = load_case("tdi-pushrod", {"train.cycles": 2})
     speeds = [speed * RPM for speed in (3000, 5000, 7600)]
     one, three = (
-        sweep_study(case, speeds, spring_sets=["stock"], workers=workers, critical=None)
+        sweep(case, speeds, spring_sets=["stock"], workers=workers, critical_speeds=False)
         for workers in (1, 3)
     )
     same_bits(one, three)
@@ -86,15 +86,15 @@ def test_runs_of_a_spring_and_of_a_train_are_the_same_to_the_bit_for_any_number_
         (train, [3000 * RPM], ["multi-mass", "massless"]),
     ):
         one, three = (
-            run_study(case, engine_speeds=speeds, spring_models=models, workers=workers)
+            simulate(case, engine_speeds=speeds, models=models, workers=workers)
             for workers in (1, 3)
         )
         same_bits(one, three)
 
 
 def test_a_sweep_needs_a_speed():
-    with pytest.raises(InputError, match="at least one engine speed"):
-        sweep_study(load_case("tdi-pushrod"), [])
+    with pytest.raises(InputError, match="holds no speed"):
+        sweep(load_case("tdi-pushrod"), [])
 
 
 def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
@@ -109,9 +109,7 @@ def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
 
     monkeypatch.setattr(TrainLeapfrog, "run_to_orbit", picky)
     case = load_case("tdi-pushrod")
-    found = sweep_study(
-        case, [300.0, 500.0], spring_sets=("stock",), spring_models=("massless",), workers=1
-    )
+    found = sweep(case, [300.0, 500.0], spring_sets=("stock",), models=("massless",), workers=1)
     (sentence,) = found.failures
     assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
     _, velocity = found.series(found.labels[0], "seating_velocity")

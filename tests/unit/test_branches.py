@@ -98,7 +98,7 @@ def test_wrong_requests_are_refused() -> None:
 
 
 def test_the_command_prints_its_points_as_an_object(tmp_path: Path) -> None:
-    words = ("branches", "tdi-pushrod", "--spring-set", "stock", "--engine-speed", "3000:3100:50")
+    words = ("branches", "tdi-pushrod", "--spring-set", "stock", "--rpm", "3000:3100:50")
     told = json.loads(call(*words, "--output", str(tmp_path / "out"), "--json").stdout)
     assert [one["motion"] for one in told["points"]] == ["period 1"] * 6
     assert told["findings"][0]["code"] == "W203" and (tmp_path / "out" / "branches.nc").exists()

@@ -22,7 +22,7 @@ LOW = PUSHROD.replace('open_height = "1.25 in"', 'open_height = "1.10 in"', 1)
 SAYS = "the open load is given at 27.94 mm, but the spring is solid at 29.21 mm"
 
 
-@pytest.mark.parametrize("command", [("check",), ("run",), ("sweep", "--engine-speed", "3000:4000:500")])  # fmt: skip
+@pytest.mark.parametrize("command", [("check",), ("run",), ("sweep", "--rpm", "3000:4000:500")])  # fmt: skip
 def test_an_open_load_below_the_solid_height_is_refused_at_its_line(command, tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LOW, encoding="utf-8")

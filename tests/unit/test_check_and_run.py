@@ -9,7 +9,7 @@ import pytest
 from valvetrain.cli.cases import put_together
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.runs.run_up import run_up_study
 
 FINITE = "spring.options.finite-element"
@@ -77,7 +77,7 @@ def test_check_refuses_what_run_refuses(name, changes, words, monkeypatch):
 
 def refused_by_all(case) -> None:
     """Run; a study none of whose members could be integrated counts as refused."""
-    study = run_study(case, workers=1)
+    study = simulate(case, workers=1)
     if study.solutions and all(run.status.code == "refused" for run in study.solutions):
         raise InputError(study.solutions[0].status.message)
 
@@ -124,7 +124,7 @@ def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
     for ask in (
         lambda: put_together(case, ()),
         lambda: run_up_study(case, (200.0, 260.0, 0.2)),
-        lambda: run_study(case, workers=1),
+        lambda: simulate(case, workers=1),
     ):
         with pytest.raises(InputError, match=r"train\.valve\.friction"):
             ask()
@@ -140,4 +140,4 @@ def test_what_a_spring_model_that_is_asked_for_refuses_is_told(model):
         InputError, match="need its wire" if model == "solid" else "'nosuch' is unknown"
     ) as refused:
         put_together(case, (model,))
-    assert refused.value.where == "spring_models"
+    assert refused.value.where == "models"

@@ -121,11 +121,11 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
 #: What a user types wrong: names, numbers, units, key paths, files.
 WRONG = [
     ("run", "gu2021-behive"), ("run", "zzz"), ("rum",), ("run",), ("run", "job-c", "--engin-speed", "1 rpm"),
-    ("run", "job-c", "--engine-speed", "4200 mm"), ("run", "job-c", "--engine-speed", "-5 rpm"),
-    ("run", "job-c", "--engine-speed", "9:1:1 rpm"), ("run", "job-c", "--engine-speed", "1:2:1e-9 rpm"),
-    ("run", "job-c", "--spring", "modal"), ("sweep", "job-c", "--spring", "massless,xyz"), ("compare", "job-c", "--limit", "much"),
-    ("run", "job-c", "--spring-set", "stock"), ("compare", "vaz-ohc", "--spring", "solid"), ("new", "job-c"), ("new", "a\nb"), ("new", "."),
-    ("new", "mine", "--kind", "fingr"), ("compare-runs", "one", "two"), ("run", "uniform-spring", "--engine-speed", "1000 rpm"),
+    ("run", "job-c", "--rpm", "4200 mm"), ("run", "job-c", "--rpm", "-5 rpm"),
+    ("run", "job-c", "--rpm", "9:1:1 rpm"), ("run", "job-c", "--rpm", "1:2:1e-9 rpm"),
+    ("run", "job-c", "--model", "modal"), ("sweep", "job-c", "--model", "massless,xyz"), ("compare", "job-c", "--limit", "much"),
+    ("run", "job-c", "--spring-set", "stock"), ("compare", "vaz-ohc", "--model", "solid"), ("new", "job-c"), ("new", "a\nb"), ("new", "."),
+    ("new", "mine", "--kind", "fingr"), ("compare-runs", "one", "two"), ("run", "uniform-spring", "--rpm", "1000 rpm"),
     ("run", "job-c", "--workers", "0"), ("run", "job-c", "--set", "spring"), ("run", "job-c", "--set", "spring.wire_diametre=4 mm"),
     ("run", "job-c", "--set", "spring.wire_diameter=4 N"), ("run", "job-c", "--set", "spring.wire_diameter=4"),
     ("run", "job-c", "--set", "spring.wire_diameter=40 mm"), ("run", "job-c", "--set", "spring.total_coils.x=4"),

@@ -52,7 +52,7 @@ def outputs(tmp_path_factory):
     path.write_text(SMALL + PUBLISHED)
     commands = {
         "run": ("--output", str(folder / "out"), "--no-report"),
-        "sweep": ("--engine-speed", "8000:9000:500", "--spring", "massless", "--output", str(folder / "swept")),
+        "sweep": ("--rpm", "8000:9000:500", "--model", "massless", "--output", str(folder / "swept")),
         "static": ("--steps", "8"),
         "modes": ("--count", "6"), "check": (),
     }  # fmt: skip

@@ -64,7 +64,7 @@ def test_a_run_or_sweep_loads_no_units_library_no_tables_and_no_rod(
     tmp_path, command, files, heavy
 ):
     """What it never needs cost it half a second of every start, and its files are written without labelled datasets."""
-    words = f"{command} --engine-speed 3000rpm --spring massless --quiet --output out".split()
+    words = f"{command} --rpm 3000rpm --model massless --quiet --output out".split()
     code = (
         f"import sys; from valvetrain.cli.main import main\nsys.argv = {['valvetrain', *words]}\n"
         "try: main()\nexcept SystemExit as end: assert not end.code, end.code\nprint(' '.join(sys.modules))"

@@ -12,8 +12,8 @@ import pytest
 
 from unit.cli_parts import PUBLISHED, SMALL, call, sentence
 from valvetrain.parameters.loading import parse_case
+from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
-from valvetrain.runs.run import run_study
 from valvetrain.views.page import data_of
 from valvetrain.views.refinement import RefineAnswer
 
@@ -104,7 +104,7 @@ def numbers(elements_per_coil: int) -> dict[str, float]:
         SMALL.replace("elements_per_coil = 6", f"elements_per_coil = {elements_per_coil}"),
         name="small",
     )
-    study = run_study(case, spring_models=("finite-element",), workers=1)
+    study = simulate(case, models=("finite-element",), workers=1)
     return {key.name: value for key, value in study.quantities.items()}
 
 

@@ -14,7 +14,7 @@ from unit.cli_parts import PUBLISHED, SMALL, call, sentence, typed
 from valvetrain.parameters.templates import KINDS
 
 QUICK = ("--workers", "1", "--no-report")
-RANGE = ("--engine-speed", "1000:9000:100 rpm")
+RANGE = ("--rpm", "1000:9000:100 rpm")
 #: Words that only the papers of the library use.
 PAPERS = ("Stage", "Node", "Gu ", "beehive", "published", "valley", "rebound")
 
@@ -36,7 +36,7 @@ def test_every_template_runs_as_it_stands_and_answers_on_a_screen(tmp_path, monk
     assert "is there already" in sentence(call("new", "mine.toml", "--kind", kind))
     checked = call("check", "mine.toml")
     assert checked.exit_code == 0, checked.stderr
-    models = ("--spring", "massless,multi-mass") if kind != "direct" else ()
+    models = ("--model", "massless,multi-mass") if kind != "direct" else ()
     result = call("run", "mine.toml", *models, *QUICK)
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
@@ -79,9 +79,9 @@ def test_a_run_is_kept_whole_and_repeated_from_its_folder(small):
 def test_runs_are_listed_and_compared(small):
     assert json.loads(call("runs", "--json").stdout)["findings"][0]["code"] == "J201"
     for value in ("4 mm", "3.9 mm"):
-        words = ("--set", f"lift_law.maximum_lift={value}", "--spring", "massless", *QUICK)
+        words = ("--set", f"lift_law.maximum_lift={value}", "--model", "massless", *QUICK)
         assert call("run", "small.toml", *words).exit_code == 0
-    call("sweep", "told.toml", "--engine-speed", "7000:8000:500", "--spring", "massless", *QUICK)
+    call("sweep", "told.toml", "--rpm", "7000:8000:500", "--model", "massless", *QUICK)
     listed = call("runs").stdout
     assert (
         len(re.findall(r"^  \d\d-\d\d \d\d:\d\d ", listed, re.MULTILINE)) == 3
@@ -89,7 +89,7 @@ def test_runs_are_listed_and_compared(small):
         and "failed" not in listed
     )
     data = json.loads(call("runs", "small", "--json").stdout)["runs"]
-    assert [run["spring_models"] for run in data] == [["massless"]] * 2 and data[0]["headline"][
+    assert [run["models"] for run in data] == [["massless"]] * 2 and data[0]["headline"][
         "quantity"
     ] == "peak_spring_force"
     compared = call("compare-runs", data[1]["digest"], "small/latest")
@@ -112,10 +112,10 @@ def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(smal
     (small / "notes" / "mine.txt").write_text("kept")
     refused = call("run", "small.toml", "--output", "notes", *QUICK)
     assert refused.exit_code == 2 and "holds files that no run wrote" in sentence(refused)
-    words = ("--spring", "massless", "--output", "here", *QUICK)
-    assert call("run", "small.toml", *words, "--engine-speed", "7000 rpm").exit_code == 0
+    words = ("--model", "massless", "--output", "here", *QUICK)
+    assert call("run", "small.toml", *words, "--rpm", "7000 rpm").exit_code == 0
     first = {path.name for path in (small / "here").iterdir()}
-    assert call("run", "small.toml", *words, "--engine-speed", "9000 rpm").exit_code == 0
+    assert call("run", "small.toml", *words, "--rpm", "9000 rpm").exit_code == 0
     second = {path.name for path in (small / "here").iterdir()}
     assert (
         "massless-7000rpm.nc" in first - second
@@ -126,9 +126,7 @@ def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(smal
 
 def test_run_options_change_speeds_models_folder_and_values(small):
     result = call(
-        *typed(
-            "run small.toml --engine-speed '7000, 9000 rpm' --spring modal-varied --output here"
-        ),
+        *typed("run small.toml --rpm '7000, 9000 rpm' --model modal-varied --output here"),
         *QUICK,
         *typed("--set spring.total_coils=4 --set 'lift_law.maximum_lift=3 mm' --json"),
     )
@@ -147,7 +145,7 @@ def test_run_options_change_speeds_models_folder_and_values(small):
 
 
 def test_quiet_prints_nothing_but_errors(small):
-    result = call("run", "small.toml", "--spring", "massless", "--quiet", *QUICK)
+    result = call("run", "small.toml", "--model", "massless", "--quiet", *QUICK)
     assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
     result = call("run", "nothing.toml", "--quiet")
     assert result.exit_code == 2 and result.stdout == "" and "there is no file" in sentence(result)
@@ -177,23 +175,23 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("run", "--engine-speed", "10:9000:1 rpm"), "min and "),
+        (("run", "--rpm", "10:9000:1 rpm"), "min and "),
         (
-            ("sweep", "--engine-speed", "10:9000:1", "--set", "operation.cycles=3"),
+            ("sweep", "--rpm", "10:9000:1", "--set", "operation.cycles=3"),
             "beyond the bound of 10 min",
         ),
         (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
         (
             (
                 *typed(
-                    "run --spring multi-mass --set spring.options.multi-mass.masses_per_coil=2000"
+                    "run --model multi-mass --set spring.options.multi-mass.masses_per_coil=2000"
                 ),
                 *RANGE,
             ),
             "beyond the bound",
         ),
         (
-            (*typed("run --spring finite-element --elements-per-coil 1000 --limit '1 h'"), *RANGE),
+            (*typed("run --model finite-element --elements-per-coil 1000 --limit '1 h'"), *RANGE),
             "GB",
         ),
     ],

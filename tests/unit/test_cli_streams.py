@@ -23,7 +23,7 @@ from valvetrain.solution.atomic import check_target, write_text
 pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="streams are closed as a POSIX shell closes them"
 )
-RUN = "run job-t --spring massless --no-report --engine-speed '3000 rpm' --output out"
+RUN = "run job-t --model massless --no-report --rpm '3000 rpm' --output out"
 
 
 def shell(command: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[bytes]:
@@ -110,7 +110,9 @@ def test_names_that_are_no_text_are_read_written_and_shown(locale, tmp_path):
     law = "kind = 'spline'\nfile = 'lift.csv'\nangle_of = 'cam'\nangle_unit = 'deg'\nlift_unit = 'mm'\nlift_of = 'valve'\n"
     spring = (LIBRARY / "job-t.toml").read_text(encoding="utf-8").partition("[lift_law]")[0]
     Path(os.fsdecode(home + b"/f\xe9.toml")).write_text(f"{spring}[lift_law]\n{law}")
-    command = "vt run caf\udce9/f\udce9.toml --spring massless --engine-speed '3000 rpm' --output caf\udce9/out"
+    command = (
+        "vt run caf\udce9/f\udce9.toml --model massless --rpm '3000 rpm' --output caf\udce9/out"
+    )
     result = shell(command, tmp_path, LC_ALL=locale, PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
     assert result.returncode == 0, result.stderr
     out = Path(os.fsdecode(home), "out")

@@ -47,7 +47,7 @@ def remembered(case, speeds, **more):
 
 @cache
 def chain() -> Trace:
-    return trace_of(vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0], "spring_force")
+    return trace_of(vt.simulate("job-t", SPEED, models=CHAIN).solutions[0], "spring_force")
 
 
 def cycles(count=8, angles=360, bias=0.0, late=0.0, seed=1, size=4.0):
@@ -143,7 +143,7 @@ def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_cycles("own.csv", [cycles(bias=5.0)])
     found = compared("own.csv", spring_models=("multi-mass", "massless"))
-    command = typed("compare-test job-t --test own.csv --spring multi-mass,massless --output out")
+    command = typed("compare-test job-t --test own.csv --model multi-mass,massless --output out")
     data = json.loads(invoke(*command, "--json").stdout)
     for told, one in zip(data["runs"], found.runs, strict=True):
         assert (
@@ -262,7 +262,7 @@ def test_numbers_nobody_measures_are_refused():
 
 def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    whole = vt.simulate("job-t", SPEED, spring_models=CHAIN)
+    whole = vt.simulate("job-t", SPEED, models=CHAIN)
     lost = replace(
         whole.solutions[0],
         status=Status("diverged", "the force grew without bound", remedy="take a smaller step"),
@@ -278,7 +278,7 @@ def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch)
     assert verdict(found).code == "T201" and "T210" in codes(found)
     assert not codes(compared_before) & {"T201", "T210"}
     write_cycles("own.csv", [cycles()])
-    shown = invoke("compare-test", "job-t", "--test", "own.csv", "--spring", "multi-mass")
+    shown = invoke("compare-test", "job-t", "--test", "own.csv", "--model", "multi-mass")
     assert shown.exit_code == 1 and "grew without bound" in shown.output
 
 
@@ -381,7 +381,7 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     """Chi square by scipy of the same deviations; an angle counted through the cycle meets its
     neighbour whatever its number.
     """
-    force = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0].quantities
+    force = vt.simulate("job-t", SPEED, models=CHAIN).solutions[0].quantities
     peak, angle = force["peak_spring_force"], np.degrees(force["peak_spring_force_cam_angle"])
     (tmp_path / "values.csv").write_text(
         "# engine speed: 3000 rpm\n# note: no scatter is stated; assumed are 1 %\n"
@@ -453,7 +453,7 @@ def test_a_model_is_seen_through_the_gauge_of_the_test():
 
 def test_a_model_without_the_curve_is_left_out_and_said():
     """A massless spring has no coils."""
-    run = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0]
+    run = vt.simulate("job-t", SPEED, models=CHAIN).solutions[0]
     angle = np.arange(180) * 2 * np.pi / 180
     moved = trace_of(run, "coil_3_displacement").at(angle)
     test = MeasuredCycles(

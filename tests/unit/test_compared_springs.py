@@ -16,8 +16,9 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs import run as run_module
-from valvetrain.runs.compare_springs import compared, with_two_springs
+from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.facts import beyond_wire_facts
+from valvetrain.runs.requests import CompareSprings
 from valvetrain.runs.run import build, sweep_study
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 
@@ -43,8 +44,10 @@ def both(cards):
 
 @pytest.fixture(scope="module")
 def study(both):
-    return compared(
-        lambda: sweep_study(both, (6000 * RPM, 7000 * RPM), spring_models=("massless",), workers=1)
+    return sweep_study(
+        CompareSprings(
+            case=both, engine_speeds=(6000 * RPM, 7000 * RPM), models=("massless",), workers=1
+        )
     )
 
 
@@ -93,9 +96,9 @@ def test_a_stopped_search_is_named_and_ranks_nothing(both, monkeypatch):
 
     monkeypatch.setattr(run_module, "find_critical_speeds", stop)
     with pytest.raises(StudyStopped) as caught:
-        compared(
-            lambda: sweep_study(
-                both, (6000 * RPM, 7000 * RPM), spring_models=("massless",), workers=1
+        sweep_study(
+            CompareSprings(
+                case=both, engine_speeds=(6000 * RPM, 7000 * RPM), models=("massless",), workers=1
             )
         )
     study = caught.value.study
@@ -105,8 +108,10 @@ def test_a_stopped_search_is_named_and_ranks_nothing(both, monkeypatch):
 
 
 def test_what_both_leave_on_the_cam_is_at_a_speed_at_which_both_keep_it(both):
-    study = compared(
-        lambda: sweep_study(both, (3000 * RPM, 5000 * RPM), spring_models=("massless",), workers=1)
+    study = sweep_study(
+        CompareSprings(
+            case=both, engine_speeds=(3000 * RPM, 5000 * RPM), models=("massless",), workers=1
+        )
     )
     verdict = findings_of(study).verdict
     left = {

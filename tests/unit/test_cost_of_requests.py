@@ -26,13 +26,13 @@ ELEMENTS, MASSES = (
     [
         (("static", "job-t", "--steps", "100000000"), "TB'"),
         (("modes", "job-t", "--limit", "1 MB"), "--limit '"),
-        (("modes", "job-t", "--spring", "multi-mass", "--set", f"{MASSES}=2000"), "3 GB'"),
+        (("modes", "job-t", "--model", "multi-mass", "--set", f"{MASSES}=2000"), "3 GB'"),
         (("modes", "job-t", "--count", "100000", "--elements-per-coil", "240"), "min'"),
         (
             ("static", "gu2021-beehive-blind", "--elements-per-coil", "1000", "--steps", "2000"),
             "--limit '",
         ),
-        (("refine", "job-t", "--engine-speed", "10:9000:1 rpm"), "--limit '"),
+        (("refine", "job-t", "--rpm", "10:9000:1 rpm"), "--limit '"),
         (("refine", "job-t", "--limit", "1 s"), "--limit '"),
         (("run-up", "tdi-pushrod", "--duration", "100000 s"), "--limit '"),
     ],
@@ -53,7 +53,7 @@ def test_numbers_that_no_computer_counts_to_are_refused():
         call("static", "job-t", "--steps", "10000000000")
     )
     assert "2000" in sentence(
-        call("static", "job-t", "--spring", "multi-mass", "--set", f"{MASSES}=1000000")
+        call("static", "job-t", "--model", "multi-mass", "--set", f"{MASSES}=1000000")
     )
     assert "1000" in sentence(call("static", "job-t", "--elements-per-coil", "100000"))
 
@@ -146,16 +146,16 @@ def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
     ("request_of", "words"),
     [
         (lambda: vt.refine("tdi-pushrod", "2000 rpm", limit=5), "'5' is no bound"),
-        (lambda: vt.simulate("job-t", limit=["1 h"]), "is no bound"),
-        (lambda: vt.simulate("job-t", workers=1.5), "a whole number; it is 1.5"),
-        (lambda: vt.sweep("job-t", workers="2"), "a whole number; it is 2"),
+        (lambda: vt.simulate("job-t", limit=[3600]), "is no bound"),
+        (lambda: vt.simulate("job-t", workers=1.5), "a whole number is needed; it is 1.5"),
+        (lambda: vt.sweep("job-t", workers="two"), "a whole number is needed; it is two"),
         (lambda: vt.refine("job-t", workers=0), "workers must be 1"),
         (lambda: vt.runs.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
         (lambda: vt.static_curve(None), "'None' is no case"),
         (lambda: vt.simulate(7), "'7' is no case"),
         (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),
         (lambda: vt.static_curve("job-t", steps="5"), "a whole number of steps"),
-        (lambda: vt.static_curve("job-t", spring_model=["massless"]), "is no spring model"),
+        (lambda: vt.static_curve("job-t", models=["massless"]), "is no spring model"),
         (lambda: vt.static_curve("job-t", steps=float("nan")), "a whole number of steps"),
     ],
 )

@@ -17,11 +17,11 @@ from valvetrain.runs.critical_scan import Scan, SpeedSample
 from valvetrain.runs.critical_speeds import (
     CriticalOptions,
     critical_speed,
-    read_options,
     sample_of,
     with_range,
 )
 from valvetrain.runs.prepared import PreparedRun
+from valvetrain.runs.requests import Sweep
 from valvetrain.solution.critical import RPM, CriticalSpeed, RangeMember, SpeedBracket
 from valvetrain.solution.result import Solution, empty_channels
 from valvetrain.views.json import _critical_object
@@ -163,24 +163,21 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
 
 
 def test_options_are_read_with_their_units_and_refused_where_they_cannot_be_meant() -> None:
-    read = read_options("20 rpm", "0.03 mm", 2e-4)
+    given = {"resolution": "20 rpm", "float_lift": "0.03 mm", "bounce_height": 2e-4}
+    read = Sweep.read({"case": "job-t", **given}).critical_options
     numbers = read.resolution * 30 / math.pi, read.float_lift, read.bounce_height
     assert numbers == pytest.approx((20, 3e-5, 2e-4))
-    for words, name in (
-        (("0 rpm", "1 mm", "1 mm"), "resolution"),
-        (("10 rpm", "-1 mm", "1 mm"), "float lift"),
-    ):
-        with pytest.raises(InputError, match=name):
-            read_options(*words)
-    with pytest.raises(InputError, match=r"unit|rpm"):
-        read_options("10 mm", "1 mm", "1 mm")
+    for name, text in (("resolution", "0 rpm"), ("float_lift", "-1 mm"), ("resolution", "10 mm")):
+        with pytest.raises(InputError) as refused:
+            Sweep.read({"case": "job-t", **given, name: text})
+        assert refused.value.where == name
 
 
 def test_a_case_without_a_train_has_no_critical_speeds() -> None:
     import valvetrain as vt
 
     with pytest.raises(InputError, match="no train"):
-        vt.critical_speeds(load_case("job-t"), "1000 rpm", spring_models=["massless"])
+        vt.critical_speeds(load_case("job-t"), "1000 rpm", models=["massless"])
 
 
 @pytest.mark.parametrize("step", [100, 50, 10])

@@ -76,7 +76,7 @@ def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_ref
     assert fact.fields["reason"] == "the rod has too few equilibria"
     (chain,) = with_code(study.facts, "chain-of-wire")
     assert chain.fields["better"] == "finite-element"
-    (run,) = vt.simulate(case, "2000 rpm", spring_models="reduced-rod", workers=1).solutions
+    (run,) = vt.simulate(case, "2000 rpm", models="reduced-rod", workers=1).solutions
     assert run.status.code == "refused" and "too few equilibria" in run.status.message
     # A table of points has no facts: a point is by the model of its neighbours or is none.
     point = Point(case, (), 200.0, request=PointRequest(("peak_spring_force",)))

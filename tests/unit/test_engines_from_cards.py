@@ -35,7 +35,7 @@ def test_every_train_runs_from_cards(kind, spring_set):
     assert len(springs) == (2 if spring_set == "dual" else 1) and all(
         one.wire is None for one in springs
     )
-    (run,) = vt.simulate(case, "3000 rpm", "massless", spring_set=spring_set).solutions
+    (run,) = vt.simulate(case, "3000 rpm", "massless", spring_sets=spring_set).solutions
     assert run.status.completed
     assert run.quantities["minimum_cam_contact_force"] > 50
 
@@ -45,7 +45,7 @@ def test_a_spring_of_a_pair_whose_coil_bind_is_not_known_is_named():
     text = template_text("direct", cards=True)
     assert text.count('solid_height = "21 mm"') == 1  # of the inner card
     for changed, named in ((text, False), (text.replace('solid_height = "21 mm"', ""), True)):
-        study = vt.simulate(parse_case(changed), "3000 rpm", "massless", spring_set="dual")
+        study = vt.simulate(parse_case(changed), "3000 rpm", "massless", spring_sets="dual")
         assert study.solutions[0].quantities["coil_bind_clearance"] > 0
         unknown = with_code(study.facts, "unknown-solid-height")
         assert [one.fields["spring"] for one in unknown] == ["inner"] * named

@@ -12,9 +12,9 @@ from valvetrain.runs.cost import read_limits
 @pytest.mark.parametrize(
     ("words", "option", "low", "high"),
     [
-        (("static", "uniform-spring", "--spring", "massless"), "--steps", 2, 10**9),
-        (("modes", "uniform-spring", "--spring", "massless"), "--count", 1, 10**9),
-        (("run", "uniform-spring", "--spring", "massless"), "--workers", 1, 256),
+        (("static", "uniform-spring", "--model", "massless"), "--steps", 2, 10**9),
+        (("modes", "uniform-spring", "--model", "massless"), "--count", 1, 10**9),
+        (("run", "uniform-spring", "--model", "massless"), "--workers", 1, 256),
     ],
 )
 def test_a_count_beyond_its_bounds_is_refused(words, option, low, high):
@@ -60,7 +60,7 @@ def test_a_folder_with_other_files_is_refused_before_any_work(command, tmp_path,
     (tmp_path / "letters").mkdir()
     (tmp_path / "letters" / "to-a-friend.txt").write_text("kept")
 
-    speed = ("--engine-speed", "1000:2000:500 rpm") if command == "sweep" else ()
+    speed = ("--rpm", "1000:2000:500 rpm") if command == "sweep" else ()
     said = sentence(call(command, "small.toml", "--output", "letters", "--workers", "1", *speed))
     assert "letters" in said and (tmp_path / "letters" / "to-a-friend.txt").read_text() == "kept"
     assert [path.name for path in (tmp_path / "letters").iterdir()] == ["to-a-friend.txt"]

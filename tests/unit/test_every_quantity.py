@@ -59,11 +59,9 @@ def test_a_study_of_trains_tells_the_rigid_numbers_of_each_spring_set():
     where the least contact force is nil.
     """
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.run import run_study
+    from valvetrain.runs.api import simulate
 
-    done = run_study(
-        load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), spring_models=("massless",)
-    )
+    done = simulate(load_case("vaz-ohc"), engine_speeds=(150.0, 300.0), models=("massless",))
     (slow, fast), (numbers, *_) = done.solutions, done.still.values()
     lift = slow.channel("rigid_valve_lift")
     assert numbers["rigid_maximum_valve_lift"] == pytest.approx(np.max(lift), rel=1e-4)

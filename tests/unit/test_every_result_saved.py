@@ -108,7 +108,7 @@ def scanned():
 
 RESULTS = {
     "static curve": lambda: JOB.static(steps=8),
-    "spring at rest": lambda: vt.simulate(JOB.parameters, "2000 rpm", spring_models="massless").rest,
+    "spring at rest": lambda: vt.simulate(JOB.parameters, "2000 rpm", models="massless").rest,
     "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_set=["stock"]),
     "table": table, "optimum": optimum, "identified": identified, "fit to a card": fitted, "smoothed lift": smoothed,
     "model against test": lambda: vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
@@ -133,7 +133,7 @@ def test_what_is_loaded_is_what_was_saved(name, tmp_path):
 def test_a_study_is_whole_with_failed_runs_critical_speeds_and_static_curves(tmp_path):
     case = vt.Case("tdi-pushrod")
     sweep = case.sweep(
-        "7000:7400:200 rpm", "massless", spring_set="stock", resolution="100 rpm", workers=1
+        "7000:7400:200 rpm", "massless", spring_sets="stock", resolution="100 rpm", workers=1
     )
     again = read_again(sweep, tmp_path)
     assert len(again.critical_speeds) == 3 and repr(again) == repr(sweep)
@@ -148,9 +148,9 @@ def test_a_study_is_whole_with_failed_runs_critical_speeds_and_static_curves(tmp
 
 
 def test_methods_and_function_write_the_same(tmp_path):
-    run = JOB.run("2000 rpm", model="massless")
+    run = JOB.run("2000 rpm", models="massless")
     assert vt.load(run.save(tmp_path / "run.nc")).identical(run)
-    curve = JOB.static(spring_model="massless")
+    curve = JOB.static(models="massless")
     assert content(vt.load(curve.save(tmp_path / "curve.nc"))) == content(curve)
     assert vt.load(curve.save(tmp_path / "curve.nc")).force_at("7.5 mm") == curve.force_at("7.5 mm")
     cases = vt.load(JOB.save(tmp_path / "case.toml"))
@@ -163,7 +163,7 @@ def test_what_no_file_holds_is_refused_and_nothing_is_written(tmp_path):
     ):
         vt.save((len, lambda: 1)[1:], tmp_path / "a.nc")
     with pytest.raises(InputError, match=r"a StaticCurve is saved to a file that ends in \.nc"):
-        JOB.static(spring_model="massless").save(tmp_path / "a.csv")
+        JOB.static(models="massless").save(tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())
 
 

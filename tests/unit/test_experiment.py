@@ -51,7 +51,7 @@ def test_the_dataset_of_an_experiment_equals_single_runs_bit_for_bit():
     for point, value in enumerate(("6 mm", "8 mm")):
         case = vt.load_case("job-c", {"spring.precompression": value})
         for speed in (4000, 5000):
-            runs = vt.simulate(case, f"{speed} rpm", spring_models=["massless", "multi-mass"])
+            runs = vt.simulate(case, f"{speed} rpm", models=["massless", "multi-mass"])
             for run in runs.solutions:
                 one = found.isel(point=point).sel(speed=speed * RPM, model=run.label)
                 assert float(one.peak_spring_force) == run.quantities["peak_spring_force"]

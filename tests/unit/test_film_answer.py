@@ -101,7 +101,7 @@ def test_the_verdict_on_a_model_is_the_coil_that_is_furthest_off_and_names_its_f
     shares = model(0.5).apart / model(0.5).peaks
     coil = 1 + int(np.argmax(np.where(model(0.5).peaks > 0.05 * model(0.5).peaks.max(), shares, 0)))
     assert found.fields["coil"] == str(coil) and found.value == model(0.5).apart[coil - 1]
-    assert f"displacement-coil-{coil}.csv --spring multi-mass --shared " in found.step
+    assert f"displacement-coil-{coil}.csv --model multi-mass --shared " in found.step
 
 
 def test_the_next_step_states_the_error_of_the_film():

@@ -27,10 +27,10 @@ from valvetrain.views.rows import ROWS
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "train.crank.valve_inclination": "15 deg"}  # fmt: skip
 STEEL = {"train.spring_set": "wire", "train.springs.wire[0].material": "EN 10270-2 VDSiCr"}
-MODAL = {"spring_models": "modal-uniform"}
-CHAIN = {"spring_models": "multi-mass"}
-ROD = {"spring_models": "finite-element"}
-STOCK = {"spring_models": "massless", "spring_set": "stock"}
+MODAL = {"models": "modal-uniform"}
+CHAIN = {"models": "multi-mass"}
+ROD = {"models": "finite-element"}
+STOCK = {"models": "massless", "spring_sets": "stock"}
 
 
 def ls(speed: str, **changes: str) -> tuple:
@@ -46,7 +46,7 @@ RUNS = {
     "calm": ("tdi-pushrod", "3000 rpm", {}, STOCK),
     "lost": ("tdi-pushrod", "7500 rpm", {}, STOCK),
     "flies": ("tdi-pushrod", "9000 rpm", {}, STOCK),
-    "published": ("tdi-pushrod", None, {}, {"spring_set": "as printed"}),
+    "published": ("tdi-pushrod", None, {}, {"spring_sets": "as printed"}),
     "ls-5000": ls("5000 rpm"),
     "ls-6600": ls("6600 rpm"),
     "ls-7300": ls("7300 rpm"),
@@ -57,19 +57,19 @@ RUNS = {
     "ls-undamped": (LS, "5000 rpm", {"train.springs.mydual[0].damping": None, "train.springs.mydual[1].damping": None}, MODAL),
     "ls-close": (LS, "5000 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
     "ls-solid": (LS, "8500 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
-    "ls-models": (LS, "6600 rpm", {}, {"spring_models": ["wave-rod", "modal-uniform", "massless"], "compute": "error_bars"}),
+    "ls-models": (LS, "6600 rpm", {}, {"models": ["wave-rod", "modal-uniform", "massless"], "compute": "error_bars"}),
     "piston-far": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "7 mm"}, MODAL),
     "piston-near": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "4 mm"}, MODAL),
     "piston-hit": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "1 mm"}, MODAL),
     "wire": wire("6000 rpm"),
     "wire-short": wire("6000 rpm", "42 mm"),
-    "no-coils": ("job-t", "2000 rpm", {}, {"spring_models": "massless"}),
-    "lifts": ("job-t", "9000 rpm", {}, {"spring_models": ["massless", "modal-varied"]}),
+    "no-coils": ("job-t", "2000 rpm", {}, {"models": "massless"}),
+    "lifts": ("job-t", "9000 rpm", {}, {"models": ["massless", "modal-varied"]}),
     "ls-friction": (LS, "5000 rpm", {"train.contacts.valve_tip.friction_coefficient": 0.06}, {}),
     "slow": ("job-c", "1000 rpm", {}, ROD),
-    "clash": ("job-c", "8000 rpm", {}, {"spring_models": ["finite-element", "modal-varied"]}),
-    "wire-strong": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "46 mm"}, {"spring_models": "massless"}),
-    "wire-weak": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "40 mm"}, {"spring_models": "massless"}),
+    "clash": ("job-c", "8000 rpm", {}, {"models": ["finite-element", "modal-varied"]}),
+    "wire-strong": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "46 mm"}, {"models": "massless"}),
+    "wire-weak": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "40 mm"}, {"models": "massless"}),
     "still": ("uniform-spring", None, {}, {}),
 }  # fmt: skip
 
@@ -167,7 +167,7 @@ def test_a_run_up_loses_the_cam_or_keeps_it():
 @cache
 def swept(speeds: str, red_line: float | None = None, sets: tuple[str, ...] = ("stock",)) -> Study:
     """A sweep whose critical speeds were searched once, without their ranges."""
-    ways = {"spring_models": ["massless"], "spring_set": list(sets), "workers": 1}
+    ways = {"models": ["massless"], "spring_sets": list(sets), "workers": 1}
     found = vt.critical_speeds("tdi-pushrod", speeds, ranges=False, **ways)
     runs = vt.sweep("tdi-pushrod", speeds, critical_speeds=False, **ways)
     record = replace(runs.record, red_line=red_line and red_line * RPM)
@@ -195,12 +195,12 @@ def test_a_sweep_says_to_which_speed_control_is_kept():
     assert "W113" in two.codes and "W113" not in findings_of(lost).codes
     for one in (*codes.values(), swept("6000:8000:1000 rpm", None, ("stock", "performance"))):
         assert len(str(findings_of(one).verdict).split()) <= 25
-        assert Answer(one).next_step.startswith("valvetrain compare tdi-pushrod --engine-speed ")
+        assert Answer(one).next_step.startswith("valvetrain compare tdi-pushrod --rpm ")
 
 
 @cache
 def compared(case: str, speeds: str, *models: str) -> Study:
-    return vt.compare(case, speeds, list(models), workers=1, **({"spring_set": "stock"} if case[0] == "t" else {}))  # fmt: skip
+    return vt.compare(case, speeds, list(models), workers=1, **({"spring_sets": "stock"} if case[0] == "t" else {}))  # fmt: skip
 
 
 def test_a_comparison_gives_the_range_over_models_and_which_one_decides():

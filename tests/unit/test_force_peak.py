@@ -19,7 +19,6 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.differences import result_differences
 from valvetrain.runs.prepared import prepare
-from valvetrain.runs.run import run_study
 from valvetrain.runs.saved_runs import DEFINITIONS, SavedRun, definitions
 from valvetrain.solution.force_peak import filtered_cycle, force_peak
 from valvetrain.system.build import build
@@ -81,8 +80,8 @@ def chain_at(stiffness: float, word: str = "multi-mass") -> dict[str, float]:
     case = load_case("job-c")
     (spring,) = case.springs
     contact = replace(spring.contact, stiffness=stiffness * spring.contact.stiffness)
-    made = run_study(
-        case.replace(springs=(replace(spring, contact=contact),)), spring_models=(word,), workers=1
+    made = simulate(
+        case.replace(springs=(replace(spring, contact=contact),)), models=(word,), workers=1
     )
     return dict(made.solutions[-1].quantities)
 
@@ -106,7 +105,7 @@ def test_contact_constants_leave_the_peak_of_the_beehive():
         contact = replace(spring.contact, stiffness=factor * spring.contact.stiffness)
         changed = case.replace(springs=(replace(spring, contact=contact),))
         speeds = [8000 * np.pi / 30]
-        made = run_study(changed, engine_speeds=speeds, spring_models=("finite-element",))
+        made = simulate(changed, engine_speeds=speeds, models=("finite-element",))
         found.append(made.solutions[0].quantities["peak_spring_force"])
     assert found[1] == pytest.approx(988, rel=0.01)
     assert [found[0], found[2]] == pytest.approx([found[1]] * 2, rel=0.02)
@@ -134,7 +133,7 @@ def test_peaks_of_a_train_depend_neither_on_its_samples_nor_on_its_step(word):
 def test_the_cut_off_of_a_case_counts_and_is_in_its_run():
     narrow = load_case("job-c", {"operation.force_bandwidth": "3 kHz"})
     runs = [
-        run_study(one, spring_models=("multi-mass",), workers=1).solutions[-1]
+        simulate(one, models=("multi-mass",), workers=1).solutions[-1]
         for one in (load_case("job-c"), narrow)
     ]
     assert [one.provenance.options["force_bandwidth"] for one in runs] == [10e3, 3e3]

@@ -32,7 +32,7 @@ def test_contact_of_coils_in_a_case_file_or_set(model, tmp_path, monkeypatch):
             "[spring.damping]", f'[spring.contact]\nstiffness = "{HARD}"\n\n[spring.damping]'
         )
     )
-    words = ("--spring", model, "--workers", "1", "--output", "out", "--no-report")
+    words = ("--model", model, "--workers", "1", "--output", "out", "--no-report")
     for asked in (("hard.toml",), ("soft.toml", "--set", f"spring.contact.stiffness={HARD}")):
         told = ended(call("run", *asked, *words))
         assert WORDS in told and "give a softer coil contact" in told and "--limit" in told
@@ -42,7 +42,7 @@ def test_contact_of_coils_in_a_case_file_or_set(model, tmp_path, monkeypatch):
 def test_contact_of_coils_from_a_program(model):
     case = vt.load_case("job-t")
     hard = replace(case.springs[0], contact=replace(case.springs[0].contact, stiffness=1e36))
-    (run,) = vt.simulate(case.replace(springs=(hard,)), "3000 rpm", spring_models=[model]).solutions
+    (run,) = vt.simulate(case.replace(springs=(hard,)), "3000 rpm", models=[model]).solutions
     assert run.status.code == "refused" and WORDS in run.status.message
 
 
@@ -58,8 +58,8 @@ def test_contact_of_parts():
         vt.simulate(
             vt.load_case("tdi-pushrod", {key: "1e30 N/mm"}),
             "3000 rpm",
-            spring_models=["massless"],
-            spring_set=["stock"],
+            models=["massless"],
+            spring_sets=["stock"],
         )
     assert words in sentence(call("run", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))
     assert words in sentence(call("check", "tdi-pushrod", "--set", f"{key}=1e30 N/mm"))

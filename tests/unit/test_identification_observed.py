@@ -47,7 +47,7 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
     )  # fmt: skip
     case = Observed(request.case, request.varied, request.targets).case_at((0.0,))
     found = numbers_of(case, (request.targets[0].station,), request.targets)
-    (run,) = vt.simulate(case, "4136 rpm", spring_models=["modal-uniform"]).solutions
+    (run,) = vt.simulate(case, "4136 rpm", models=["modal-uniform"]).solutions
     assert found is not None
     named = {key.partition(": ")[2]: value for key, value in found.items()}
     assert named["peak_spring_force"] == run.quantities["peak_spring_force"]
@@ -82,7 +82,7 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         tmp_path,
     )
     found = numbers_of(request.case, (request.targets[0].station,), request.targets)
-    curve = vt.static_curve("job-t", "10 mm", spring_model="multi-mass", steps=5)
+    curve = vt.static_curve("job-t", "10 mm", models="multi-mass", steps=5)
     assert list(found.values()) == pytest.approx(
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
     )

@@ -109,7 +109,7 @@ def _case_of(text: str) -> str:
         (("--angle-of", "crank"), "crank as requested, but the file says cam"),
         (("--at", "12 mm"), "the lobe rises 9"),
         (("--noise", "3"), "--noise"),
-        (("--engine-speed", "4000 rpm"), "name it with --case"),
+        (("--rpm", "4000 rpm"), "name it with --case"),
         (("--columns", "angle, hub"), "a column is one of"),
         (("--zero", "top"), "zero is file or nose"),
         (("--write", "a.txt", "--write-form", "odd"), "unknown"),
@@ -165,7 +165,7 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
         spreads.append(found.spread("peak_spring_force"))
         assert found.failures == () and spreads[-1].draws == 6
     assert 0 < spreads[0].spread < spreads[1].spread < 0.2 * spreads[1].value
-    alone = vt.simulate(drawn, "6000 rpm", spring_models=["modal-uniform"])
+    alone = vt.simulate(drawn, "6000 rpm", models=["modal-uniform"])
     assert spreads[1].value == alone.quantities["peak_spring_force"]
 
 
@@ -177,7 +177,7 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
 
 
 def test_a_request_of_many_laws_is_refused_with_its_numbers(table, tmp_path):
-    asked = ("--case", "job-t", "--engine-speed", "100:9000:10 rpm", "--draws", "64")
+    asked = ("--case", "job-t", "--rpm", "100:9000:10 rpm", "--draws", "64")
     said = invoke("lift", str(table), *asked, "--output", str(tmp_path / "out")).stderr
     for words in ("beyond the bound of", "fewer laws, speeds or unknowns", "--limit '"):
         assert words in said
@@ -190,7 +190,7 @@ def test_a_lift_that_was_not_measured_has_no_band():
 
 
 def test_a_lobe_becomes_the_lift_of_a_case(table):
-    words = typed("--case job-t --spring massless --engine-speed '2000 rpm' --draws 4")
+    words = typed("--case job-t --model massless --rpm '2000 rpm' --draws 4")
     result = invoke("lift", str(table), *words, "--json")
     assert result.exit_code == 0, result.output
     data = json.loads(result.stdout)

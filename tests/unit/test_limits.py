@@ -30,7 +30,7 @@ CASE = vt.Case(
 
 @pytest.fixture(scope="module")
 def study():
-    return vt.simulate(CASE, spring_models="massless")
+    return vt.simulate(CASE, models="massless")
 
 
 def test_stress_is_held_against_the_named_wire(study):
@@ -46,7 +46,7 @@ def test_the_corrected_stress_passes_no_limit_at_rest():
     """A spring pressed less, whose stress with the factor for curvature alone is above 0.56 of the
     strength, was said to be above its limit.
     """
-    run = vt.simulate(CASE.set({"spring.precompression": "18 mm"}), spring_models="massless").solutions[0]  # fmt: skip
+    run = vt.simulate(CASE.set({"spring.precompression": "18 mm"}), models="massless").solutions[0]  # fmt: skip
     found = run.quantities
     assert found["open_nominal_shear_stress"] > found["permitted_shear_stress"]
     assert not passed_limits(found) and "limit" not in run.verdict

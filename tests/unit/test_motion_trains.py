@@ -16,7 +16,7 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.views.motion.project import motion_data
 from valvetrain.views.motion.scene import moving_picture
 
@@ -37,8 +37,8 @@ def drawn(kind: str, model: str = "planar"):
         encoding="utf-8"
     )
     case = parse_case(text, kind, changes={"train.model": model})
-    study = run_study(
-        case, engine_speeds=case.operation.engine_speeds[:1], spring_models=("massless",), workers=1
+    study = simulate(
+        case, engine_speeds=case.operation.engine_speeds[:1], models=("massless",), workers=1
     )
     picture = moving_picture(study, 150)
     data = motion_data(picture)["variants"][0]

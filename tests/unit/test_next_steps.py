@@ -34,7 +34,7 @@ def test_the_command_line_takes_every_next_step(step):
 
 
 def test_a_next_step_stands_on_one_line_of_any_terminal():
-    study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"], workers=1)
+    study = vt.simulate("job-t", "2000 rpm", models=["massless"], workers=1)
     answer = Answer(study, Words(case="a/folder/in/a/folder/with/a/long/name/engine.toml"))
     assert len(answer.next_step) > 40 and any(
         line.endswith(answer.next_step) for line in plain(answer, "page.html", 40).splitlines()

@@ -42,11 +42,11 @@ def test_a_run_loses_contact_where_the_search_over_speed_does():
     counted gaps above 2 µm, the search any force of zero.
     """
     found = vt.critical_speeds(
-        "tdi-pushrod", "6800:7000:200 rpm", spring_models=["multi-mass"], spring_set="stock", ranges=False, workers=1
+        "tdi-pushrod", "6800:7000:200 rpm", models=["multi-mass"], spring_sets="stock", ranges=False, workers=1
     )  # fmt: skip
     onset = found.of("contact-loss").engine_speed / RPM
     for engine_speed, lost in ((onset - 1, False), (onset + 1, True)):
-        study = vt.simulate("tdi-pushrod", f"{engine_speed} rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
+        study = vt.simulate("tdi-pushrod", f"{engine_speed} rpm", models=["multi-mass"], spring_sets="stock", workers=1)  # fmt: skip
         (run,) = study.solutions
         assert (run.statistics["least_cam_contact_force"] <= 0) == lost
         assert (
@@ -78,7 +78,7 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
 
 def test_losses_near_the_seat_are_events_that_do_not_count():
     """Contract: of the pushrod train the valve tip parts on the ramp alone, and no number of lost contact has it."""
-    study = vt.simulate("tdi-pushrod", "4000 rpm", spring_models=["modal-uniform"], spring_set="stock", workers=1)  # fmt: skip
+    study = vt.simulate("tdi-pushrod", "4000 rpm", models=["modal-uniform"], spring_sets="stock", workers=1)  # fmt: skip
     (run,) = study.solutions
     near = [one for one in run.events if one.kind in LOSSES]
     assert near and not any(one.counts for one in near)
@@ -98,7 +98,7 @@ def test_the_energy_of_a_train_closes_and_its_preload_is_that_of_the_card():
     """Property: work of the cam is what contacts and springs lose where the motion repeats; a solver that
     added energy would show.
     """
-    study = vt.simulate("tdi-pushrod", "3000 rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
+    study = vt.simulate("tdi-pushrod", "3000 rpm", models=["multi-mass"], spring_sets="stock", workers=1)  # fmt: skip
     (run,) = study.solutions
     work, lost, heat = (run.quantities[name] for name in ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy"))  # fmt: skip
     assert abs(work - lost - heat) < 1e-3 * work

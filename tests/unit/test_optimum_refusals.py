@@ -126,7 +126,7 @@ def test_the_total_of_a_pair_may_be_the_objective():
     varied = {keys[0]: vt.Uniform("300 N", "350 N"), keys[1]: vt.Uniform("180 N", "220 N")}
     found = case.optimise(
         varied, {"pair_card_open_force": "minimise"}, {"outer_card_rate": {"at_least": "18 N/mm"}},
-        spring_set="dual", search={"trials": 40}, workers=1,
+        spring_sets="dual", search={"trials": 40}, workers=1,
     )  # fmt: skip
     assert float(found.case.objectives[0]) == pytest.approx(540.0, rel=1e-12)
     assert float(found.best.trial.objectives[0]) == pytest.approx(150 + 18e3 * 9e-3 + 180, rel=2e-3)

@@ -110,7 +110,7 @@ def test_a_recording_gives_the_lift_that_was_recorded(answer, words, expected):
 
 
 def test_a_sensor_without_speeds_takes_those_of_the_case(answer):
-    words = ("--spring", "massless", "--bandwidth", "1 kHz", "--json")
+    words = ("--model", "massless", "--bandwidth", "1 kHz", "--json")
     found = json.loads(answer("rig", "--case", "pair.toml", *words))["quantities_by_label"]
     assert list(found) == ["massless, 4000 rpm", "massless, 5000 rpm"]
     for run in found.values():  # preloads and rates of both springs at 9 mm of lift
@@ -118,7 +118,7 @@ def test_a_sensor_without_speeds_takes_those_of_the_case(answer):
 
 
 def test_nested_springs_of_a_card_add_up(answer):
-    words = ("--spring", "massless", "--json", "--no-report")
+    words = ("--model", "massless", "--json", "--no-report")
     found = json.loads(answer("run", "pair.toml", *words))
     for run in found["runs"]:
         quantities = run["quantities"]
@@ -131,7 +131,7 @@ def test_nested_springs_of_a_card_add_up(answer):
 def test_the_resolution_of_critical_speeds_is_that_of_their_scan(answer):
     def runs(resolution: str) -> float:
         words = (
-            "--spring",
+            "--model",
             "massless",
             "--spring-set",
             "nested",
@@ -139,14 +139,14 @@ def test_the_resolution_of_critical_speeds_is_that_of_their_scan(answer):
             resolution,
             "--json",
         )
-        found = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
+        found = answer("sweep", "vaz-ohc", "--rpm", "4000:5000:1000 rpm", *words)
         return sum(row["runs_count"]["value"] for row in json.loads(found)["critical_speeds"])
 
     assert runs("500 rpm") < runs("10 rpm")
 
 
 def test_a_measured_lift_moves_the_spring_of_a_case(answer):
-    words = ("--spring", "massless", "--engine-speed", "3000 rpm", "--draws", "5")
+    words = ("--model", "massless", "--rpm", "3000 rpm", "--draws", "5")
     text = answer("lift", "lobe.csv", "--case", "lifted.toml", *words)
     assert value(text, "peak spring force below 10 kHz") == pytest.approx(250 + 32 * 10, rel=1e-3)
 

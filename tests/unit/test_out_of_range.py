@@ -97,8 +97,8 @@ def test_a_sweep_shows_such_a_speed_as_failed_and_gives_it_no_point():
     sweep = vt.sweep(
         case,
         ["3000 rpm", "14000 rpm"],
-        spring_models="massless",
-        spring_set="stiff",
+        models="massless",
+        spring_sets="stiff",
         critical_speeds=False,
         workers=1,
     )

@@ -42,7 +42,7 @@ def test_outputs_are_computed_alone():
 
 def test_outputs_at_rest_and_inside_the_spring():
     run = CASE.run("5500 rpm", "multi-mass", workers=1, outputs=["preload", "coil_gap"])
-    whole = vt.simulate(CASE.parameters, "5500 rpm", spring_models="multi-mass", workers=1)
+    whole = vt.simulate(CASE.parameters, "5500 rpm", models="multi-mass", workers=1)
     assert dict(run.quantities) == {"preload": whole.quantities["preload"]}
     assert run["coil_gap"].equals(whole.solutions[0]["coil_gap"])
 
@@ -61,7 +61,7 @@ def test_a_sweep_of_outputs_is_that_of_all():
 
 
 def test_a_train_searches_critical_speeds_where_one_is_requested():
-    case, options = vt.Case("tdi-pushrod"), {"spring_set": "stock", "workers": 1}
+    case, options = vt.Case("tdi-pushrod"), {"spring_sets": "stock", "workers": 1}
     few = case.sweep("6000:6400:400 rpm", "massless", outputs="peak_valve_lift", **options)
     assert not len(few.critical_speeds) and set(few.solutions[0].quantities) == {"peak_valve_lift"}
     speeds = "7000:7400:200 rpm"

@@ -79,9 +79,9 @@ def numbers(run, *without: str) -> dict[str, float]:
 @pytest.mark.parametrize("train", [False, True])
 def test_a_linear_spring_given_in_python_gives_the_numbers_of_the_massless_model(train):
     case = card(train)
-    usual = case.run("3000 rpm", model="massless")
+    usual = case.run("3000 rpm", models="massless")
     for own in (Linear(), Linear, CubicSpline([-0.1, 0.1], [PRELOAD - 4e3, PRELOAD + 4e3])):
-        run = case.run("3000 rpm", model=own)
+        run = case.run("3000 rpm", models=own)
         if not isinstance(own, CubicSpline) or not train:  # a spline carries no mass
             assert numbers(run) == pytest.approx(numbers(usual), rel=1e-9, abs=1e-9)
         assert run.label == type(own).__name__ or run.label == "Linear"
@@ -89,7 +89,7 @@ def test_a_linear_spring_given_in_python_gives_the_numbers_of_the_massless_model
 
 def test_a_spring_with_a_state_of_its_own_has_the_force_that_scipy_finds():
     case = card(False)
-    run = case.run("3000 rpm", model=Maxwell)
+    run = case.run("3000 rpm", models=Maxwell)
     angle, time = run.cam_angle, run.time
     lift = lambda t: np.interp(t, time, run.channel("valve_lift"))
     speed = CubicSpline(time, run.channel("valve_lift")).derivative()
@@ -123,7 +123,7 @@ def test_a_mass_on_a_spring_of_ones_own_oscillates_at_its_frequency():
 
     (found,) = vt.Spring(preload=PRELOAD, rate=RATE, mass=MASS).frequencies(OneMass)
     assert found == pytest.approx(math.sqrt(160e3 / 0.02) / (2 * math.pi), rel=1e-6)
-    run = card(True).run("3000 rpm", model=OneMass())
+    run = card(True).run("3000 rpm", models=OneMass())
     assert run.status.completed and np.ptp(run.channel("seat_force")) > 100
 
 
@@ -131,10 +131,10 @@ def test_classes_instances_and_entries_of_the_models_that_ship_are_taken():
     from valvetrain.springs.massless import SPEC
 
     case = card(True)
-    usual = numbers(case.run("3000 rpm", model="massless"))
+    usual = numbers(case.run("3000 rpm", models="massless"))
     spring = vt.springs.MasslessSpring(RATE, PRELOAD, MASS)
     for model in (vt.springs.MasslessSpring, spring, SPEC):
-        assert numbers(case.run("3000 rpm", model=model)) == pytest.approx(usual, rel=1e-12)
+        assert numbers(case.run("3000 rpm", models=model)) == pytest.approx(usual, rel=1e-12)
     both = case.compare("3000 rpm", [spring, "massless", Linear()])
     assert both.labels == ("MasslessSpring", "massless", "Linear")
 
@@ -147,7 +147,7 @@ def test_linear_contacts_given_in_python_give_the_numbers_of_the_built_in_law():
     usual = case.set({"train.contacts.cam": law, "train.contacts.seat": law})
     own = lambda depth, rate: 60e6 * depth + 300.0 * rate
     mine = case.set({"train.contacts.cam": own, "train.contacts.seat": {"law": own}})
-    runs = [one.run("3000 rpm", model="massless") for one in (mine, usual)]
+    runs = [one.run("3000 rpm", models="massless") for one in (mine, usual)]
     assert numbers(runs[0]) == pytest.approx(numbers(runs[1]), rel=1e-9, abs=1e-9)
 
 
@@ -175,7 +175,7 @@ def test_a_hardening_contact_rebounds_as_scipy_finds():
 def test_a_linear_law_between_coils_gives_the_numbers_of_the_built_in_one():
     case = vt.Case("job-c").set({"operation.cycles": 1})
     mine = case.set({"spring.contact.law": lambda overlap: 2e10 * overlap})
-    runs = [one.run(model="multi-mass") for one in (mine, case)]
+    runs = [one.run(models="multi-mass") for one in (mine, case)]
     assert runs[1].quantities["clash_count"] > 0
     assert numbers(runs[0]) == pytest.approx(numbers(runs[1]), rel=1e-9, abs=1e-9)
 
@@ -256,7 +256,7 @@ def test_a_name_changes_with_what_the_part_computes_and_with_nothing_else():
 
 
 def test_a_run_and_a_page_of_a_model_in_python_are_those_of_any_model(tmp_path):
-    study = vt.simulate(card(False), "3000 rpm", spring_models=Linear())
+    study = vt.simulate(card(False), "3000 rpm", models=Linear())
     (run,) = study.solutions
     vt.save(run, tmp_path / "run.nc")
     assert vt.load(tmp_path / "run.nc").identical(run) and run.provenance.model == own_name(
@@ -298,7 +298,7 @@ class NoStates(Linear):
 )
 def test_what_is_no_spring_is_refused_in_one_sentence(model, says):
     with pytest.raises(InputError, match=says):
-        card(False).run("3000 rpm", model=model)
+        card(False).run("3000 rpm", models=model)
 
 
 @pytest.mark.parametrize(
@@ -314,7 +314,7 @@ def test_what_is_no_spring_is_refused_in_one_sentence(model, says):
 )
 def test_what_is_no_contact_law_is_refused_in_one_sentence(law, says):
     with pytest.raises(InputError, match=says):
-        card(True).set({"train.contacts.seat": law}).run("3000 rpm", model="massless")
+        card(True).set({"train.contacts.seat": law}).run("3000 rpm", models="massless")
 
 
 def test_a_law_between_coils_takes_the_overlap_alone():
@@ -322,7 +322,7 @@ def test_a_law_between_coils_takes_the_overlap_alone():
     with pytest.raises(
         InputError, match=r"takes \(overlap, rate\); give a function of the overlap"
     ):
-        case.run(model="multi-mass")
+        case.run(models="multi-mass")
 
 
 def test_a_lift_function_is_taken_by_its_key_path_as_by_its_name():

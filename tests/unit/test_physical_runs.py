@@ -47,8 +47,8 @@ def is_physical(train: TrainParameters, member) -> bool:
 
 
 WAYS = {
-    "run": (run, lambda case: run.run_study(case, workers=1)),
-    "sweep": (run, lambda case: run.sweep_study(case, [300.0, 400.0], workers=1)),
+    "run": (run, lambda case: vt.simulate(case, workers=1)),
+    "sweep": (run, lambda case: vt.sweep(case, [300.0, 400.0], workers=1)),
     "run-up": (run_up, lambda case: vt.run_up(case, "2000 rpm", "2400 rpm", "0.2 s")),
     "compare": (compare, lambda case: vt.compare(case, "2000 rpm", workers=1)),
     "refine": (refine_trains, lambda case: refine_trains.refine_trains(case, [300.0], workers=1)),

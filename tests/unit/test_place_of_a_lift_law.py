@@ -32,7 +32,7 @@ mass = "50 g"
 ROOM = "flank_shape needs four values or more"
 
 
-@pytest.mark.parametrize("command", [("check",), ("run", "--engine-speed", "3000 rpm")])
+@pytest.mark.parametrize("command", [("check",), ("run", "--rpm", "3000 rpm")])
 def test_the_key_and_its_line_are_told(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.toml").write_text(LAW + SPRING)

@@ -110,8 +110,8 @@ NARROW = {"lift_law.opening_start": "179.9 deg", "lift_law.closing_end": "180.1 
 def test_a_motion_that_no_cam_gives_is_refused_before_the_work_and_passes_by_an_option():
     case = vt.load_case("job-t", NARROW)
     with pytest.raises(InputError, match="the lift speed is 4816 m/s, above 50 m/s"):
-        vt.simulate(case, spring_models=["massless"])
-    (run,) = vt.simulate(case, spring_models=["massless"], implausible=True).solutions
+        vt.simulate(case, models=["massless"])
+    (run,) = vt.simulate(case, models=["massless"], implausible=True).solutions
     assert run.status.completed
     words = [word for path, value in NARROW.items() for word in ("--set", f"{path}={value}")]
     assert "--implausible" in sentence(call("run", "job-t", *words))
@@ -122,7 +122,7 @@ def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
     not know it.
     """
     case = vt.load_case("job-t", NARROW)
-    (run,) = vt.simulate(case, spring_models=["wave-rod"], implausible=True).solutions
+    (run,) = vt.simulate(case, models=["wave-rod"], implausible=True).solutions
     fastest = float(np.max(np.abs(run.channel("axial_velocity"))))
     assert fastest > 1000 and "100 m/s" in implausible(run)
     from valvetrain.runs.prepared import plausible

@@ -107,7 +107,7 @@ def test_numbers_of_nodes_are_read_where_the_case_says():
     runs = {}
     for coil, points in ((2.0, {}), (1.9, {"points.node_2": 1.9})):
         case = vt.load_case("gu2021-beehive-blind", coarse | points)
-        (runs[coil],) = vt.simulate(case, spring_models=["finite-element"], workers=1).solutions
+        (runs[coil],) = vt.simulate(case, models=["finite-element"], workers=1).solutions
     for coil, run in runs.items():
         cycle = reported_cycle(run)
         gap, velocity = cycle.at_coil("coil_gap", coil), cycle.at_coil("axial_velocity", coil)

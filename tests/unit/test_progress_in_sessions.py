@@ -44,7 +44,7 @@ def three(**options):
 
 
 def test_a_sweep_in_a_cell_shows_its_share_and_leaves_nothing(cell):
-    found = vt.sweep("job-t", "3000 rpm", spring_models="massless", workers=1)
+    found = vt.sweep("job-t", "3000 rpm", models="massless", workers=1)
     assert len(found.solutions) == 1
     assert cell[0] == {"text/plain": "sweep"} and "<progress" in cell[1]["text/html"]
     assert cell[-1] == {"text/html": "", "text/plain": ""}

@@ -35,7 +35,7 @@ def runs():
     some = ["massless", "multi-mass", "wave-rod-clash"]
     found = [*vt.simulate(alone.parameters, "3000 rpm", MODELS, workers=1).solutions]
     found += vt.simulate(
-        train.parameters, "3000 rpm", some, spring_set="nested", workers=1
+        train.parameters, "3000 rpm", some, spring_sets="nested", workers=1
     ).solutions
     return found
 
@@ -97,7 +97,7 @@ def test_files_hold_the_angle_that_counts_on(tmp_path):
     import xarray
 
     case = vt.Case("job-t").set({"operation.cycles": 3})
-    run = case.run("2000 rpm", model="massless")
+    run = case.run("2000 rpm", models="massless")
     path = vt.save(run, tmp_path / "run.nc")
     with xarray.open_dataset(path, engine="h5netcdf") as file:
         assert np.array_equal(file["cam_angle"].values, run.cam_angle)

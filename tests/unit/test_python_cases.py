@@ -96,9 +96,7 @@ def test_a_spring_alone_gives_the_closed_form():
         seats="clamps",
     )  # fmt: skip
     rate = shear_modulus * wire**4 / (8 * mean**3 * coils)
-    assert spring.static(spring_model="multi-mass").force_at(8e-3) == pytest.approx(
-        8e-3 * rate, rel=0.03
-    )
+    assert spring.static(models="multi-mass").force_at(8e-3) == pytest.approx(8e-3 * rate, rel=0.03)
     first = wire / (2 * np.pi * mean**2 * coils) * np.sqrt(shear_modulus / (2 * density))
     assert spring.frequencies("modal-uniform", 1)[0] == pytest.approx(first, rel=0.03)
 
@@ -115,7 +113,7 @@ def test_a_lift_that_is_a_function_moves_as_the_law_of_the_library():
     own = case.set(lift_law=lift)
     for name in ("peak_spring_force", "minimum_spring_force"):
         one, other = (
-            item.run("4000 rpm", model="multi-mass").quantities[name] for item in (case, own)
+            item.run("4000 rpm", models="multi-mass").quantities[name] for item in (case, own)
         )
         assert other == pytest.approx(one, rel=1e-5)
 
@@ -143,7 +141,7 @@ def test_a_train_from_parts_is_the_train_of_the_file():
         lift_law=whole.tree["lift_law"],
         engine_speeds="3000 rpm",
     )
-    options = {"model": "massless", "spring_set": "stock"}
+    options = {"models": "massless", "spring_sets": "stock"}
     one, other = (item.run("3000 rpm", **options) for item in (whole, case))
     assert vt.diff(one, other) == {} and one.quantities["peak_spring_force"] > 0
 
@@ -152,12 +150,12 @@ def test_no_spring_set_is_the_sets_of_the_case_and_a_number_is_none():
     """Twin: None, as no argument at all."""
     words = ("job-t", "2000 rpm")
     none, plain = (
-        vt.simulate(*words, spring_models="massless", **given).solutions[0]
-        for given in ({"spring_set": None}, {})
+        vt.simulate(*words, models="massless", **given).solutions[0]
+        for given in ({"spring_sets": None}, {})
     )
     assert vt.diff(none, plain) == {}
     with pytest.raises(vt.InputError, match="'5' is no name; give one as text"):
-        vt.simulate(*words, spring_models="massless", spring_set=5)
+        vt.simulate(*words, models="massless", spring_sets=5)
 
 
 def test_a_study_computes_what_was_requested_and_nothing_else():
@@ -172,14 +170,16 @@ def test_a_study_computes_what_was_requested_and_nothing_else():
     for pitch, force in zip(
         table.column("spring.pitch"), table.column("peak_spring_force"), strict=True
     ):
-        run = vt.Case("job-t").set({"spring.pitch": float(pitch)}).run("4000 rpm", model="massless")
+        run = (
+            vt.Case("job-t").set({"spring.pitch": float(pitch)}).run("4000 rpm", models="massless")
+        )
         assert force == pytest.approx(run.quantities["peak_spring_force"], rel=1e-12)
 
 
 def test_an_unknown_is_found_again():
     """Recovery: the precompression that made the measured preload."""
     case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "multi-mass"}
-    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="multi-mass")
+    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", models="multi-mass")
     measured = {"peak_spring_force": (true.quantities["peak_spring_force"], 0.5)}
     found = case.identify(
         {"spring.precompression": ("6 mm", "8 mm")}, measured, workers=1, **options
@@ -190,7 +190,7 @@ def test_an_unknown_is_found_again():
 def test_a_trace_tells_an_unknown():
     """Recovery within its own interval: the precompression behind a force with noise of 3 N."""
     case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
-    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="massless")
+    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", models="massless")
     trace = true["seat_force"] + np.random.default_rng(2).normal(0.0, 3.0, 720)
     unknown = {"spring.precompression": ("6 mm", "8 mm")}
     quick = vt.explore.Search(draws=10)
@@ -237,7 +237,7 @@ def as_pairs(trace):
     ],
 )
 def test_a_trace_in_any_form_is_the_same_trace(form):
-    trace = vt.Case("job-t").run("4000 rpm", model="massless")["seat_force"]
+    trace = vt.Case("job-t").run("4000 rpm", models="massless")["seat_force"]
     read = labelled(form(trace))
     assert read.name == "seat_force" and dimension_of(read.attrs.get("units", "N")) == "force"
     assert np.allclose(read.values, trace.values, rtol=1e-12)
@@ -263,7 +263,7 @@ def test_what_is_no_measurement_is_refused_with_what_is(measured):
 
 def test_a_trace_in_other_units_is_the_same_trace():
     case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
-    force = case.run("4000 rpm", model="massless")["seat_force"]
+    force = case.run("4000 rpm", models="massless")["seat_force"]
     pounds = (force / 4.4482216152605).assign_coords(cam_angle=np.degrees(force["cam_angle"]))
     pounds = pounds.rename("seat_force").assign_attrs(units="lbf")
     pounds["cam_angle"].attrs["units"] = "deg"
@@ -278,7 +278,7 @@ def test_a_function_of_a_cell_runs_in_workers():
     base, factor = vt.Case("job-t"), 1.5
 
     def force(pitch):
-        run = base.set({"spring.pitch": pitch}).run("3000 rpm", model="massless")
+        run = base.set({"spring.pitch": pitch}).run("3000 rpm", models="massless")
         return factor * run.quantities["peak_spring_force"]
 
     designs = ["7.2 mm", "7.4 mm", "7.6 mm"]
@@ -290,7 +290,7 @@ def test_a_function_of_a_cell_runs_in_workers():
 
 def test_several_runs_are_not_one():
     with pytest.raises(vt.InputError, match="name one speed and one model"):
-        vt.Case("gu2021-beehive-blind").run(model="massless")
+        vt.Case("gu2021-beehive-blind").run(models="massless")
 
 
 @pytest.mark.parametrize(

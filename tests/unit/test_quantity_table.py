@@ -133,10 +133,10 @@ def test_every_published_quantity_of_the_library_is_defined(name):
     [("job-t", "modal-varied"), ("vaz-ohc", "multi-mass"), ("tdi-pushrod", "modal-varied")],
 )
 def test_every_number_of_a_study_is_defined(name, model):
-    from valvetrain.runs.run import run_study
+    from valvetrain.runs.api import simulate
 
     case = load_case(name)
-    done = run_study(case, engine_speeds=case.operation.engine_speeds[:1], spring_models=(model,))
+    done = simulate(case, engine_speeds=case.operation.engine_speeds[:1], models=(model,))
     names = {key for solution in done.solutions for key in solution.quantities} | {
         key for one in done.still.values() for key in one
     }

@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.valve_events import closing_ramp
-from valvetrain.runs.run import sweep_speeds
+from valvetrain.runs.requests import sweep_speeds
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,

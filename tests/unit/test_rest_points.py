@@ -121,7 +121,7 @@ def test_the_command_writes_them(case, tmp_path, monkeypatch):
         (["static", "--load", "-5 N"], "zero or more"),
         (["modes", "--free-end", "--attached-mass", "5 g"], "no mass attached"),
         (["modes", "--attached-mass", "-5 g"], "zero or more"),
-        (["modes", "--free-end", "--spring", "multi-mass"], "finite-element"),
+        (["modes", "--free-end", "--model", "multi-mass"], "finite-element"),
     ],
 )
 def test_what_cannot_be_asked_is_refused_in_one_sentence(tmp_path, command, words):

@@ -126,7 +126,7 @@ def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):
 
 def test_a_gauge_sees_a_case(tmp_path):
     words = typed(
-        "--case job-t --engine-speed '6000 rpm' --spring multi-mass --bandwidth '400 Hz' --sampling-rate '4 kHz'"
+        "--case job-t --rpm '6000 rpm' --model multi-mass --bandwidth '400 Hz' --sampling-rate '4 kHz'"
     )
     out = call("rig", *words, "--output", str(tmp_path / "seen"), "--json")
     assert out.exit_code == 0, out.output
@@ -145,6 +145,6 @@ def test_a_gauge_sees_a_case(tmp_path):
 
 
 def test_a_channel_that_a_run_lacks_is_named():
-    (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["massless"]).solutions
+    (run,) = vt.simulate("job-t", "3000 rpm", models=["massless"]).solutions
     with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
         vt.rig.sensor_response(run, vt.measured.Sensor(), ["lift"])

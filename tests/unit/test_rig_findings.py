@@ -114,7 +114,7 @@ def test_an_offset_places_the_mark_even_at_zero():
 
 
 def test_a_gauge_misses_a_peak_or_records_it():
-    (run,) = vt.simulate("job-t", "6000 rpm", spring_models=["multi-mass"]).solutions
+    (run,) = vt.simulate("job-t", "6000 rpm", models=["multi-mass"]).solutions
     low, high = Sensor(bandwidth="200 Hz"), Sensor(bandwidth="20 kHz")
     missed, whole = (
         GaugeAnswer("job-t", vt.rig.sensor_response(run, gauge, ["seat_force"]), gauge)

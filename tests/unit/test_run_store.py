@@ -167,7 +167,7 @@ def test_differences_of_inputs_and_results(tmp_path):
         Inputs(
             "mine",
             '[spring]\nd = "4 mm"\nk = [{ a = 1 }, { a = 2 }]\n',
-            choices={"spring_models": ["a"]},
+            choices={"models": ["a"]},
         ),
         answer(),
     )
@@ -176,7 +176,7 @@ def test_differences_of_inputs_and_results(tmp_path):
     )
     two = made(
         tmp_path,
-        Inputs("mine", changed, choices={"spring_models": ["a"]}),
+        Inputs("mine", changed, choices={"models": ["a"]}),
         answer(990.0, quantities={}),
     )
     assert input_differences(one, two) == (

@@ -11,9 +11,8 @@ from valvetrain.parameters.case_changes import changed_case
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.runs.api import static_curve
+from valvetrain.runs.api import simulate, static_curve
 from valvetrain.runs.facts import case_facts
-from valvetrain.runs.run import run_study
 from valvetrain.solution.facts import with_code
 from valvetrain.system.build import build
 
@@ -48,7 +47,7 @@ def test_a_whole_rubbing_may_be_switched_off_by_a_zero(whole):
 
 
 def codes(case, model: str) -> list[str]:
-    study = run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1)
+    study = simulate(case, engine_speeds=[200.0], models=[model], workers=1)
     return [one.code for one in study.facts if "damping" in one.code]
 
 
@@ -85,7 +84,7 @@ def test_every_spring_of_a_train_without_damping_is_named_once_and_others_are_no
 
 def test_the_modal_model_presses_with_nothing_in_the_free_state():
     case = load_case("job-c", {"spring.options.finite-element.elements_per_coil": 12})
-    curve = static_curve(case, "9 mm", spring_model="modal-varied", steps=3)
+    curve = static_curve(case, "9 mm", models="modal-varied", steps=3)
     assert curve.compression[0] == 0.0 and curve.force[0] == 0.0
     assert curve.force[1] == pytest.approx(static_curve(case, "9 mm", steps=3).force[1], rel=1e-3)
 

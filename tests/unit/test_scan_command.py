@@ -23,7 +23,7 @@ from sample_scan import Scanner, cloud, ply, springs, surface
 
 #: The spring of the shipped job T, open ends and clamped, as the design that a cloud is made of.
 DESIGN = "job-t"
-FAST = ("--spring", "massless", "--engine-speed", "2000 rpm")
+FAST = ("--model", "massless", "--rpm", "2000 rpm")
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_turned_over_twice_is_the_same(folder, answer):
         (("--unit", "kg"), "no unit of length"),
         (("--unit", "m"), "which no valve spring is"),
         (("--unit", "mm", "--points", "10"), "points cannot be fitted"),
-        (("--unit", "mm", "--engine-speed", "2000 rpm"), "name its case with --design"),
+        (("--unit", "mm", "--rpm", "2000 rpm"), "name its case with --design"),
         (("--unit", "mm", "--design", "job-t", "--turn-over"), "leave --turn-over out"),
         (
             ("--unit", "mm", "--design", "job-t", "--material", "OTEVA 90 SC"),

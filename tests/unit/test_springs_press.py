@@ -12,7 +12,7 @@ from valvetrain.parameters.case_changes import changed_case
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.wave_rod import WaveRod
@@ -95,11 +95,11 @@ def test_no_spring_of_a_train_pulls_beyond_its_speed():
     """The stock spring of the diesel surges past its preload at 9000 rpm; it pulled with 110 N
     before.
     """
-    study = run_study(
+    study = simulate(
         load_case("tdi-pushrod"),
         engine_speeds=(9000 * np.pi / 30,),
         spring_sets=["stock"],
-        spring_models=MODELS[1:4],
+        models=MODELS[1:4],
     )
     for solution in study.solutions:
         assert (
@@ -131,8 +131,8 @@ def test_a_run_that_passes_coil_bind_says_so(word):
     case = load_case("tdi-pushrod")
     tight = changed_case(case, BINDING)
     speeds = (4000 * np.pi / 30, 10000 * np.pi / 30)
-    led, floating = run_study(
-        tight, engine_speeds=speeds, spring_sets=["stock"], spring_models=[word], workers=1
+    led, floating = simulate(
+        tight, engine_speeds=speeds, spring_sets=["stock"], models=[word], workers=1
     ).solutions
     assert led.status.code != "coil-bind" and led.quantities["coil_bind_clearance"] > 0
     assert floating.quantities["coil_bind_clearance"] == 0
@@ -155,7 +155,7 @@ def test_a_run_that_passes_coil_bind_says_so(word):
 
 
 def test_a_spring_whose_card_does_not_tell_its_solid_height_is_not_judged():
-    (solution,) = run_study(
+    (solution,) = simulate(
         load_case("tdi-pushrod"),
         engine_speeds=(10000 * np.pi / 30,),
         spring_sets=["stock"],

@@ -8,7 +8,7 @@ import pytest
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.statics import solid_quantities
-from valvetrain.runs.run import run_study
+from valvetrain.runs.api import simulate
 from valvetrain.runs.statics import force_of
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import nominal_stress_per_force
@@ -21,7 +21,7 @@ def numbers(word: str, stiffness: float) -> dict[str, float]:
     (spring,) = case.springs
     contact = replace(spring.contact, stiffness=stiffness * spring.contact.stiffness)
     changed = case.replace(springs=(replace(spring, contact=contact),))
-    return dict(run_study(changed, spring_models=(word,), workers=1).solutions[-1].quantities)
+    return dict(simulate(changed, models=(word,), workers=1).solutions[-1].quantities)
 
 
 def test_contact_constants_move_no_stress_by_the_standard():
@@ -44,8 +44,8 @@ def test_contact_constants_hardly_move_the_stress_of_the_rod():
 
 def test_it_is_that_of_the_rod_at_rest_whatever_the_speed():
     case = load_case("job-t")
-    runs = run_study(
-        case, engine_speeds=[200.0, 400.0], spring_models=("finite-element", "massless"), workers=1
+    runs = simulate(
+        case, engine_speeds=[200.0, 400.0], models=("finite-element", "massless"), workers=1
     ).solutions
     found = [run.quantities["open_nominal_shear_stress"] for run in runs]
     assert found == pytest.approx([found[0]] * 4, rel=1e-9)

@@ -185,7 +185,7 @@ def threads_of_this_process(count: int) -> Iterator[str]:
     "compute",
     [
         lambda: vt.sweep("job-t", "1000:3000:1000 rpm", ["massless", "multi-mass"]),
-        lambda: vt.sweep("tdi-pushrod", "6000, 7000 rpm", ["massless"], spring_set="stock"),
+        lambda: vt.sweep("tdi-pushrod", "6000, 7000 rpm", ["massless"], spring_sets="stock"),
         pytest.param(
             lambda: vt.refine("job-t", "2000 rpm"),
             marks=pytest.mark.skipif(not os.environ.get(LONG), reason=f"make faults sets {LONG}"),

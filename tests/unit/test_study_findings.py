@@ -234,7 +234,7 @@ def test_the_step_runs_the_best_point_again():
     step = answer("wide").next_step
     assert (
         step
-        == "valvetrain run job-c --set 'spring.precompression=6 mm' --engine-speed 4000 --spring modal-uniform"
+        == "valvetrain run job-c --set 'spring.precompression=6 mm' --rpm 4000 --model modal-uniform"
     )
 
 

@@ -46,7 +46,7 @@ def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
     assert np.all(np.diff(table.values, axis=0) > 0), "more preload keeps control longer"
     assert table.to_pandas().attrs["units"]["contact_loss_engine_speed"] == "rad/s"
     assert StudyAnswer(table).verdict.quantity == "contact_loss_engine_speed"
-    assert "--engine-speed 4500:9000:1500" in StudyAnswer(table).next_step
+    assert "--rpm 4500:9000:1500" in StudyAnswer(table).next_step
     dataset = table.to_xarray()
     assert dataset.float_engine_speed.dims == ("point", "model")
 

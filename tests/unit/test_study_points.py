@@ -223,7 +223,7 @@ def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
         (Varied("spring.wire_diameter", "mm"), 3.75e-3),
         (Varied("spring.pitch.clearances", operation="factor"), 1.01),
     )
-    run = simulate(vary(BEEHIVE, dict(values)), 6000 * RPM, spring_models=[model])
+    run = simulate(vary(BEEHIVE, dict(values)), 6000 * RPM, models=[model])
     (solution,) = run.solutions
     every = evaluate(point(BEEHIVE, model, 6000 * RPM, values=values))
     assert every.status == solution.status
@@ -239,7 +239,7 @@ def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
 @pytest.mark.parametrize("chosen", ["stock", "performance"])
 def test_a_point_of_a_train_has_the_bits_of_its_run(chosen):
     case, model = load_case("tdi-pushrod"), "massless"
-    (solution,) = simulate(case, 5000 * RPM, spring_models=[model], spring_set=[chosen]).solutions
+    (solution,) = simulate(case, 5000 * RPM, models=[model], spring_sets=[chosen]).solutions
     found = evaluate(point(case, model, 5000 * RPM, spring_set=chosen))
     assert {name: found.values.get(name) for name in solution.quantities} == dict(
         solution.quantities
@@ -247,7 +247,7 @@ def test_a_point_of_a_train_has_the_bits_of_its_run(chosen):
 
 
 def test_numbers_at_rest_come_from_the_model_asked_for():
-    """Preload and rate are those of ``valvetrain static --spring multi-mass``; without a model
+    """Preload and rate are those of ``valvetrain static --model multi-mass``; without a model
     those of the rod, as in a run.
     """
     from valvetrain.runs.statics import static_study

@@ -32,7 +32,7 @@ def folder(tmp_path_factory):
 def compared(folder):
     target = folder / "compare"
     words = (
-        *typed("compare tdi-pushrod --spring massless,multi-mass,modal-uniform,wave-rod --output"),
+        *typed("compare tdi-pushrod --model massless,multi-mass,modal-uniform,wave-rod --output"),
         str(target),
         *QUICK,
     )
@@ -58,9 +58,7 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
 
 def test_sweep_tells_where_contact_is_lost(folder):
     target = folder / "sweep"
-    words = typed(
-        "sweep tdi-pushrod --engine-speed 6500:8500:500 --spring massless --spring-set stock"
-    )
+    words = typed("sweep tdi-pushrod --rpm 6500:8500:500 --model massless --spring-set stock")
     data = json.loads(call(*words, "--output", str(target), *QUICK).stdout)
     assert [run["engine_speed"]["value"] for run in data["runs"]] == pytest.approx(
         [6500, 7000, 7500, 8000, 8500]
@@ -90,14 +88,14 @@ def test_sweep_tells_where_contact_is_lost(folder):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("compare", "tdi-pushrod", "--spring", "masles"), "massless"),
-        (("compare", "tdi-pushrod", "--spring", "wave-rod-clash"), "coil gaps of its wire"),
+        (("compare", "tdi-pushrod", "--model", "masles"), "massless"),
+        (("compare", "tdi-pushrod", "--model", "wave-rod-clash"), "coil gaps of its wire"),
         (
-            ("sweep", "tdi-pushrod", "--engine-speed", "0:100:10"),
+            ("sweep", "tdi-pushrod", "--rpm", "0:100:10"),
             "first speed and step must be above zero",
         ),
         (
-            ("sweep", "tdi-pushrod", "--spring-set", "racing", "--engine-speed", "1000, 2000 rpm"),
+            ("sweep", "tdi-pushrod", "--spring-set", "racing", "--rpm", "1000, 2000 rpm"),
             "stock, performance",
         ),
         (("run", "tdi-pushrod", "--set", "train.valve.mass=0 g"), "train.valve.mass"),
@@ -114,7 +112,7 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(words, sentence, tmp_path
 
 def test_what_does_not_settle_exits_with_one_and_names_a_key_that_helps(folder):
     words = (
-        *typed("compare tdi-pushrod --spring massless --output"),
+        *typed("compare tdi-pushrod --model massless --output"),
         str(folder / "short"),
         "--no-report",
         *QUICK,

@@ -11,9 +11,9 @@ import pytest
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
+from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS
 from valvetrain.runs.refine_trains import refine_trains
-from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.uncertainty import CONSTANTS
 from valvetrain.views.json import study_json
@@ -96,7 +96,7 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     again then.
     """
     case = load_case("tdi-pushrod")
-    own = run_study(case, workers=1)
+    own = simulate(case, workers=1)
     told = study_json(own)["uncertainties"]
     assert len(told) == len(stored_error_bars.load_uncertainty(case.record()))
     assert {one["label"] for one in told} == set(own.labels)

@@ -11,6 +11,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
+from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import (
     DECLARED_ORDER,
     UncertaintyStudy,
@@ -19,7 +20,6 @@ from valvetrain.runs.error_bars import (
     observed_order,
 )
 from valvetrain.runs.refine import refine_springs
-from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
 
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
@@ -113,10 +113,10 @@ def test_statics_modes_and_forces_of_a_smooth_spring_converge_at_second_order(co
 @pytest.mark.long
 def test_stated_uncertainty_covers_what_a_finer_mesh_changes(coarse):
     case = meshed("job-t", 64)
-    study = run_study(
+    study = simulate(
         case.replace(operation=replace(case.operation, cycles=1)),
         engine_speeds=(3000 * RPM,),
-        spring_models=("finite-element",),
+        models=("finite-element",),
     )
     fine = {key.name: value for key, value in study.quantities.items()}
     rows = {row.quantity: row for row in coarse.rows}

@@ -180,7 +180,7 @@ def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):
 )
 def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_path):
     words = typed(
-        "sweep tdi-pushrod --engine-speed '1000:5000:25 rpm' --spring massless --spring-set stock "
+        "sweep tdi-pushrod --rpm '1000:5000:25 rpm' --model massless --spring-set stock "
         "--no-critical-speeds --workers 1 --set 'title=two words'"
     )
     with started(*words, folder=tmp_path) as (run, mark):
@@ -207,7 +207,7 @@ def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_
         and one["command_line"] == ["valvetrain", *words]
     )
     shown = call("runs", "--folder", str(tmp_path / "runs"))
-    assert "next: valvetrain sweep tdi-pushrod --engine-speed '1000:5000:25 rpm'" in shown.stdout
+    assert "next: valvetrain sweep tdi-pushrod --rpm '1000:5000:25 rpm'" in shown.stdout
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,7 @@ def test_a_run_is_read_in_pounds_and_saved_in_si(tmp_path):
     texts, saved, files = {}, {}, {}
     for system in ("si", "imperial"):
         folder = tmp_path / system
-        more = ["--engine-speed", "3000 rpm", "--spring", "massless", "--units", system]
+        more = ["--rpm", "3000 rpm", "--model", "massless", "--units", system]
         done = CliRunner().invoke(app, ["run", "job-t", *more, "--output", str(folder)])
         assert done.exit_code == 0, done.output
         texts[system] = done.stdout

@@ -29,7 +29,7 @@ from workbench_parts import SMALL
 @pytest.fixture(scope="module")
 def study():
     return vt.simulate(
-        parse_case(SMALL, "small"), "3000, 4000 rpm", spring_models=["massless", "multi-mass"]
+        parse_case(SMALL, "small"), "3000, 4000 rpm", models=["massless", "multi-mass"]
     )
 
 
@@ -40,7 +40,7 @@ def runs(study, tmp_path_factory):
     other = vt.simulate(
         parse_case(SMALL.replace("32 N/mm", "40 N/mm"), "small"),
         "4000 rpm",
-        spring_models=["massless"],
+        models=["massless"],
     )
     found = []
     for name, one, text in (("a", study, SMALL), ("b", other, SMALL.replace("32 N/mm", "40 N/mm"))):

@@ -218,7 +218,7 @@ def test_no_word_of_a_request_can_be_an_option_of_its_own():
     evil = "--output=/tmp/x"
     asked = JobRequest("run", "small", (evil,), evil, (evil,))
     words = command_arguments(asked, evil, 2, Limits(), evil)
-    flags = ("--json", "--limit=", "--workers=", "--spring=", "--spring-set=", "--engine-speed=")
+    flags = ("--json", "--limit=", "--workers=", "--model=", "--spring-set=", "--rpm=")
     assert words[0] == "run" and words[-2:] == ["--", evil]
     assert all(word.startswith(flags) for word in words[1:-2])
     assert request_of(request_json(asked)) == asked

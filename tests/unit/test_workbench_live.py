@@ -33,7 +33,7 @@ from yardstick import quickest
 def test_a_curve_is_that_of_a_run_of_the_changed_case():
     found = LiveCase(SMALL, Path(), "multi-mass").answer({"spring.mass": "50 g"}, "5000 rpm")
     case = parse_case(SMALL, "case", changes={"spring.mass": "50 g"})
-    cycle = reported_cycle(vt.simulate(case, "5000 rpm", spring_models=["multi-mass"]).solutions[0])
+    cycle = reported_cycle(vt.simulate(case, "5000 rpm", models=["multi-mass"]).solutions[0])
     assert found.sentence == "" and found.engine_speed == pytest.approx(5000)
     assert np.array_equal(found.force_N, np.round(cycle.channel("retainer_force"), 4))
     assert found.angle_deg[0] == 0 and list(found.angle_deg) == sorted(found.angle_deg)
@@ -42,7 +42,7 @@ def test_a_curve_is_that_of_a_run_of_the_changed_case():
 
 def test_a_massless_spring_is_hookes_law():
     found = LiveCase(SMALL, Path(), "massless").answer({"spring.rate": "40 N/mm"}, "")
-    lift = vt.simulate(parse_case(SMALL), spring_models=["massless"]).solutions[0]
+    lift = vt.simulate(parse_case(SMALL), models=["massless"]).solutions[0]
     assert found.engine_speed == pytest.approx(4000)
     expected = 250 + 40e3 * reported_cycle(lift).channel("valve_lift")
     assert np.allclose(found.force_N, expected, atol=1e-3)
@@ -191,7 +191,7 @@ def test_the_float_speed_is_where_a_run_begins_to_float():
     engine_speed, unit = found.quantities["float speed"]
     assert unit == "rpm" and not found.sentence
     speeds = f"{0.975 * engine_speed}, {1.025 * engine_speed} rpm"
-    runs = vt.simulate(parse_case(text, "direct"), speeds, spring_models="massless").solutions
+    runs = vt.simulate(parse_case(text, "direct"), speeds, models="massless").solutions
     below, above = (run.quantities["float_excess_lift"] for run in runs)
     assert below <= 50e-6 < above
     told = live_case.answer({}, f"{0.975 * engine_speed} rpm").quantities

@@ -74,7 +74,7 @@ def test_every_table_that_is_offered_is_taken_shown_and_removed_again(name):
 def test_a_gas_load_that_was_just_added_changes_nothing():
     text = TEXTS["direct"]
     pair = (read(text), read(with_addition(text, "train.gas")))
-    runs = [simulate(one, ["3000 rpm"], spring_models=["massless"]).solutions[0] for one in pair]
+    runs = [simulate(one, ["3000 rpm"], models=["massless"]).solutions[0] for one in pair]
     assert runs[0].quantities and dict(runs[0].quantities) == pytest.approx(
         dict(runs[1].quantities), rel=0, abs=0, nan_ok=True
     )

@@ -279,7 +279,7 @@ def sweep_table() -> str:
     """Largest half-degree sample of the cycle over engine speed: least, median, largest over the phases."""
     rows: dict[str, list[str]] = {"median, N": [], "over the phases, N": []}
     for rpm in SWEEP:
-        run = vt.simulate(CASE, f"{rpm} rpm", spring_models=[ROD], workers=1).solutions[0]
+        run = vt.simulate(CASE, f"{rpm} rpm", models=[ROD], workers=1).solutions[0]
         _, force = GU2021.reader(reported_cycle(run), None, None).sampled(["seat_force"])
         top = force.max(axis=1)
         rows["median, N"].append(f"{np.median(top):.0f}")

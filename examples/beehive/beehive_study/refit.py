@@ -29,8 +29,8 @@ from valvetrain.explore.identification_file import Request, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.identify import identify_request
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.api import simulate
 from valvetrain.runs.cost import Limits
-from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import digest, write_text
 
 FILE = Path(__file__).resolve().parents[1] / "identify.toml"
@@ -64,9 +64,7 @@ def predict(
         changes = case_values(dict(zip(names, map(float, values), strict=True)))
         case = load_case("gu2021-beehive-blind", changes)
         spring = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
-        study = run_study(
-            case.replace(springs=(spring,)), spring_models=("finite-element",), workers=1
-        )
+        study = simulate(case.replace(springs=(spring,)), models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
     found = study.quantities.items()

@@ -64,7 +64,7 @@ class Case:
     >>> case = vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"})
     >>> case == vt.Case("job-t").set({"spring.wire_diameter": 0.0039}), case == vt.Case("job-t")
     (True, False)
-    >>> run = case.run("2000 rpm", model="massless")
+    >>> run = case.run("2000 rpm", models="massless")
     >>> round(float(run["seat_force"].max()))
     472
     """
@@ -142,19 +142,16 @@ class Case:
         return Case(new, **tables) if tables else new
 
     @known_arguments
-    def run(
-        self, engine_speed: Any = None, model: Any = "", *, spring_set: str = "", **options: Any
-    ) -> Solution:
+    def run(self, engine_speed: Any = None, models: Any = (), **options: Any) -> Solution:
         """One run: at one engine speed, by one spring model. Several: :meth:`compare`, :meth:`sweep`.
 
         Parameters
         ----------
         engine_speed : of the crank: "6000 rpm", rad/s or a pint quantity; the case's own where it has one
-        model : the spring model: its name, class or an instance, a function of the compression, or a
+        models : the spring model: its name, class or an instance, a function of the compression, or a
             class of one's own (docs/extend/own-parts-in-a-script.md); the case's own by default
-        spring_set : name of a spring set of a train
-        options : as for :func:`valvetrain.simulate`, among them ``outputs``, names of quantities and
-            channels: only these are computed
+        options : as for :func:`valvetrain.simulate`, among them ``spring_sets``, and ``outputs``, names of
+            quantities and channels: only these are computed
 
         Returns
         -------
@@ -164,7 +161,7 @@ class Case:
         ------
         InputError : several runs; what cannot be built or run
         """
-        return one_run(self.parameters, engine_speed, model, spring_set, **options)
+        return one_run(self.parameters, engine_speed, models, **options)
 
     @known_arguments
     def compare(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> Study:
@@ -176,25 +173,20 @@ class Case:
         return compare(self.parameters, engine_speeds, models, **options)
 
     @known_arguments
-    def sweep(
-        self,
-        engine_speeds: Any = None,
-        model: Any = (),
-        **options: Any,
-    ) -> Study:
+    def sweep(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> Study:
         """Numbers over engine speed and, of a train, its critical speeds; options as for
         :func:`valvetrain.sweep`, among them ``outputs``, names of what alone is computed.
         """
         from valvetrain.runs.api import sweep
 
-        return sweep(self.parameters, engine_speeds, model, **options)
+        return sweep(self.parameters, engine_speeds, models, **options)
 
     def compare_springs(
         self,
         first: Source,
         second: Source,
         engine_speeds: Any = None,
-        model: Any = (),
+        models: Any = (),
         **options: Any,
     ) -> Study:
         """Two springs side by side in this train over engine speed: surge, clash, stress, float.
@@ -202,7 +194,7 @@ class Case:
         Parameters
         ----------
         first, second : cases with a spring, as for :class:`Case`; of a train the spring set in use
-        engine_speeds, model, options : as for :func:`valvetrain.sweep`
+        engine_speeds, models, options : as for :func:`valvetrain.sweep`
 
         Returns
         -------
@@ -220,32 +212,29 @@ class Case:
         >>> len(study.solutions)
         2
         """
-        from valvetrain.runs.api import sweep
-        from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
-        from valvetrain.runs.run import sweep_speeds
-        from valvetrain.springs.own_spring import model_names
+        from valvetrain.runs.api import affordable
+        from valvetrain.runs.compare_springs import paired
+        from valvetrain.runs.requests import CompareSprings, Watch
+        from valvetrain.runs.run import sweep_study
 
         one, other = (
             source if isinstance(source, (Case, Parameters)) else Case(source)
             for source in (first, second)
         )
-        case = with_two_springs(
-            self.parameters,
-            getattr(one, "parameters", one),
-            getattr(other, "parameters", other),
-        )
-        models = models_of(case, tuple(model_names(model)))
-        speeds = sweep_speeds(case, 500) if engine_speeds is None else engine_speeds
-        return compared(lambda: sweep(case, speeds, models, **options))
+        watch = Watch(options.pop("progress", None))
+        given = {"case": self.parameters, "engine_speeds": engine_speeds, "models": models}
+        request = CompareSprings.read(given | options)
+        pair = getattr(one, "parameters", one), getattr(other, "parameters", other)
+        return sweep_study(affordable(paired(request, *pair)), watch)
 
     @known_arguments
     def critical_speeds(
-        self, engine_speeds: Any = None, model: Any = "", **options: Any
+        self, engine_speeds: Any = None, models: Any = (), **options: Any
     ) -> CriticalSpeeds:
         """Where a train loses contact, floats and bounces; as :func:`valvetrain.critical_speeds`."""
         from valvetrain.runs.api import critical_speeds
 
-        return critical_speeds(self.parameters, engine_speeds, model, **options)
+        return critical_speeds(self.parameters, engine_speeds, models, **options)
 
     def branches(self, engine_speeds: Any, model: Any = (), **options: Any) -> Branches:
         """Motions of its train over engine speed, rising and falling; as :func:`valvetrain.runs.branches`."""
@@ -285,7 +274,7 @@ class Case:
         seed: int = 1,
         engine_speeds: Any = None,
         models: Any = (),
-        spring_set: Sequence[str] | str = (),
+        spring_sets: Sequence[str] | str = (),
         **options: Any,
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
@@ -299,7 +288,7 @@ class Case:
             run and the case, and give a number; with functions one engine speed and one model
         sampling : name of a sampler (docs/studies.md), or ``"listed"``: lists of one length, row by row
         count, seed : points and random seed of the sampler; a grid and a list have neither
-        engine_speeds, models, spring_set : a run of each combination at every point
+        engine_speeds, models, spring_sets : a run of each combination at every point
         options : ``workers``, ``output`` and others of :class:`valvetrain.Experiment`
 
         Returns
@@ -317,7 +306,7 @@ class Case:
         if any(map(callable, names)) or any(map(is_object, varied.values())):
             experiment = experiment_of_points(self, varied, names, engine_speeds, models)
         else:
-            experiment = self._experiment(varied, names, engine_speeds, models, spring_set)
+            experiment = self._experiment(varied, names, engine_speeds, models, spring_sets)
         if sampling == "listed":
             lists = [one.distribution for one in experiment.space]
             lengths = {len(one.values) if isinstance(one, Values) else 0 for one in lists}
@@ -338,7 +327,7 @@ class Case:
         engine_speeds: Any = None,
         models: Any = (),
         search: Mapping[str, Any] | None = None,
-        spring_set: Sequence[str] | str = (),
+        spring_sets: Sequence[str] | str = (),
         **options: Any,
     ) -> Optimum:
         """The best design.
@@ -348,7 +337,7 @@ class Case:
         varied : as for :meth:`study`
         objective : quantity, or key among the varied ones, -> ``"minimise"`` or ``"maximise"``
         constraints : likewise -> ``{"at_most": "800 MPa"}``, ``at_least`` or both
-        engine_speeds, models, spring_set : as for :meth:`study`
+        engine_speeds, models, spring_sets : as for :meth:`study`
         search : as in an optimisation file (docs/optimisation.md), such as ``{"trials": 60}``
         options : as for :meth:`study`
 
@@ -359,7 +348,7 @@ class Case:
         limits = constraints or {}
         keys = {file_key(key) for key in varied}  # their values need no run
         names = [one for one in dict.fromkeys([*objective, *limits]) if file_key(one) not in keys]
-        experiment = self._experiment(varied, names, engine_speeds, models, spring_set)
+        experiment = self._experiment(varied, names, engine_speeds, models, spring_sets)
         return experiment.optimise(
             [{"quantity": name, "direction": way} for name, way in objective.items()],
             [{"quantity": name, **bound} for name, bound in limits.items()],
@@ -376,7 +365,7 @@ class Case:
         scatter: Any = None,
         engine_speeds: Any = None,
         models: Any = (),
-        spring_set: Sequence[str] | str = (),
+        spring_sets: Sequence[str] | str = (),
         **options: Any,
     ) -> Identified:
         """Unknowns that agree with measurements.
@@ -389,7 +378,7 @@ class Case:
             (``run["seat_force"]``), a pandas.DataFrame with the columns ``cam_angle`` and ``seat_force``,
             or ``{"seat_force": [(cam angle, force), ...]}``
         scatter : standard deviation of a trace; a hundredth of its span without
-        engine_speeds, models, spring_set : as for :meth:`study`
+        engine_speeds, models, spring_sets : as for :meth:`study`
         options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
 
         Raises
@@ -406,7 +395,7 @@ class Case:
             for key, item in unknowns.items()
         }
         if is_trace(measured):
-            chosen = {"engine_speed": engine_speeds, "model": models, "spring_set": spring_set}
+            chosen = {"engine_speed": engine_speeds, "models": models, "spring_sets": spring_sets}
             ways = {name: one for name, one in chosen.items() if one}
             return identify_by_trace(self, priors, measured, scatter, ways, **options)
         data = []
@@ -418,7 +407,7 @@ class Case:
             (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)
             data.append(Datum(name, value, scatter))
         return self._experiment(
-            priors, list(measured), engine_speeds, models, spring_set
+            priors, list(measured), engine_speeds, models, spring_sets
         ).calibrate(data, **options)
 
     def _experiment(

@@ -135,13 +135,11 @@ def _edge(lift: Callable[[float], float], closed: float, opened: float) -> float
     return closed
 
 
-def one_run(
-    case: Parameters, engine_speed: Any, model: Any, spring_set: str = "", **options: Any
-) -> Solution:
+def one_run(case: Parameters, engine_speed: Any, models: Any, **options: Any) -> Solution:
     """The only run of a request. Raises :class:`InputError` where there are several."""
     from valvetrain.runs.api import simulate
 
-    found = simulate(case, engine_speed, spring_models=model, spring_set=spring_set, **options)
+    found = simulate(case, engine_speed, models, **options)
     if len(found.solutions) != 1:
         runs = ", ".join(found.labels)
         raise InputError(

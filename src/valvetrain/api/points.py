@@ -84,7 +84,7 @@ class StudyPoint:
             else:
                 plain[key] = value
         case = self.case.set(plain, **tables)
-        found = simulate(case.parameters, speed, spring_models=self.model, workers=1)
+        found = simulate(case.parameters, speed, models=self.model, workers=1)
         if len(found.solutions) != 1:
             raise InputError(
                 f"these are {len(found.solutions)} runs; name one engine speed and one model"

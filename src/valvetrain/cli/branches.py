@@ -34,9 +34,7 @@ def branches(
     case: CaseArgument,
     engine_speed: Annotated[
         str,
-        typer.Option(
-            "--engine-speed", metavar="SPEEDS", help="Speeds of the march: '7000:9700:25 rpm'."
-        ),
+        typer.Option("--rpm", metavar="SPEEDS", help="Speeds of the march: '7000:9700:25 rpm'."),
     ],
     quantity: Annotated[
         str,

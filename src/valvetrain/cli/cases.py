@@ -205,7 +205,7 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
     problem.must_run()
     refused = refusals_before_run(problem, implausible)
     if refused and (models or len(refused) == len(problem.members)):
-        raise InputError(next(iter(refused.values())), "--spring" if models else "")
+        raise InputError(next(iter(refused.values())), "--model" if models else "")
     used = {member.spring_set for member in problem.members}
     for name in () if case.train is None else case.train.springs:
         try:

@@ -33,10 +33,9 @@ WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
 #: Arguments of functions, which errors name, -> options of commands.
 OPTION_OF = {
-    "spring_models": "--spring", "spring_set": "--spring-set", "workers": "--workers", "engine_speeds": "--engine-speed",
-    "tolerance": "--tolerance", "reference": "--reference", "resolution": "--resolution", "float_lift": "--float-lift",
-    "bounce_height": "--bounce-height", "first_engine_speed": "--from", "duration": "--duration", "draws": "--draws",
-    "output": "--output", "dask": "--dask", "channels": "--channel", "open_load": "--open-load",
+    "tolerance": "--tolerance", "reference": "--reference", "draws": "--draws", "output": "--output", "dask": "--dask",
+    "channels": "--channel", "open_load": "--open-load", "models": "--model", "spring_models": "--model",
+    "engine_speeds": "--rpm",
 }  # fmt: skip
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []

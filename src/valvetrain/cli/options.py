@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -49,10 +48,6 @@ def name_case(case: str, settings: Sequence[str] | None, more: Sequence[str] = (
     changes = [part for text in settings or () for part in ("--set", text)]
     call_case([*filter(None, (case,)), *changes, *more])
     at_end(partial(call_case, []))
-
-
-#: Largest count that an option takes; what a smaller one costs decides whether it is too large.
-MAX_COUNTED = 10**9
 
 
 def asks(flag: str, metavar: str | None, label: str) -> Any:
@@ -166,10 +161,10 @@ UnitsOption = Annotated[
 SpeedOption = Annotated[
     str | None,
     typer.Option(
-        "--engine-speed",
+        "--rpm",
         metavar="SPEEDS",
         show_default=False,
-        help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
+        help="Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
     ),
 ]
 
@@ -229,7 +224,7 @@ WorkersOption = Annotated[
 SpringOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--spring",
+        "--model",
         metavar="MODELS",
         show_default=False,
         help="Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
@@ -263,15 +258,8 @@ def points_folder(default: str) -> Any:
     )
 
 
-ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page.")]
 #: Formats in which plotly's exporter writes a figure.
 FIGURE_FORMATS = ("svg", "png", "pdf")
-FiguresOption = Annotated[
-    str,
-    typer.Option(
-        "--figures", metavar="|".join(FIGURE_FORMATS), show_default=False, help="Write every figure as a file of this format too.",
-    ),
-]  # fmt: skip
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]
 LimitOption = Annotated[
     list[str] | None,
@@ -289,39 +277,13 @@ ImplausibleOption = Annotated[
         help="Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them.",
     ),
 ]
-PublishedOption = Annotated[
-    bool,
-    typer.Option(
-        "--published", help="Print every published value next to the computed one, and findings."
-    ),
-]
 
 
-def read_engine_speeds(text: str | None, where: str = "--engine-speed") -> tuple[float, ...] | None:
-    """Crank speeds (rad/s) from ``'4200, 5600 rpm'`` or a range with both ends, ``'1000:9000:500
-    rpm'``, numbers alone in rpm; None for None.
-
-    Raises :class:`InputError` for a wrong unit, speeds that are not positive and ranges
-    that lead nowhere.
-    """
-    if text is None:
-        return None
+def read_engine_speeds(text: str | None, where: str = "--rpm") -> tuple[float, ...] | None:
+    """Crank speeds (rad/s) as :func:`valvetrain.units.si_speeds` reads them; None for None."""
     from valvetrain.units import si_speeds
 
-    bare = bool(text.strip()) and not re.search(r"[^\d.,:;+\-eE\s]", text)
-    return si_speeds(f"{text} rpm" if bare else text, "engine_speed", where)
-
-
-def read_length(text: str | None, where: str) -> float | None:
-    """A length (m) from text such as ``'12 mm'``, zero or more; None for None."""
-    if text is None:
-        return None
-    from valvetrain.units import parse_quantity
-
-    value = parse_quantity(text, "length", where)
-    if value < 0:
-        raise InputError(f"'{text}' is negative; a compression is zero or more", where)
-    return value
+    return None if text is None else si_speeds(text, "engine_speed", where)
 
 
 def read_amounts(texts: Sequence[str] | None, dimension: str, where: str) -> tuple[float, ...]:
@@ -374,7 +336,7 @@ def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
 
     models = read_names(texts)
     for word in models:
-        find("springs", word, "--spring")
+        find("springs", word, "--model")
     return models
 
 

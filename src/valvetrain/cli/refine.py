@@ -5,100 +5,40 @@ a train.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 
-from valvetrain.cli.options import (
-    CaseArgument,
-    DaskOption,
-    ElementsOption,
-    ImplausibleOption,
-    JsonOption,
-    LimitOption,
-    OutputOption,
-    QuietOption,
-    SetOption,
-    SpeedOption,
-    WorkersOption,
-    name_case,
-    read_engine_speeds,
-    read_workers,
-    take_folder,
-)
+from valvetrain.cli.request import DaskLine, add_command
+from valvetrain.cli.run_answer import SavedRequest, saved_result
+from valvetrain.runs.requests import Refine
 
 if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.parameters.case import Case
-    from valvetrain.runs.cost import Limits
     from valvetrain.runs.error_bars import UncertaintyStudy
 
 
 def register_refine(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("refine")(refine)
+    add_command(app, Refine, DaskLine, refine)
 
 
-@dataclass(frozen=True)
-class RefineRequest:
-    """A request of ``refine``: case, folder of the case file, output folder and time;
-    ``engine_speeds`` (rad/s of the crank, None: the case's own), workers and limits of the runs,
-    and whether implausible values pass.
-    """
-
-    case: Case
-    folder: Path
-    output: Path | None
-    created_at: datetime
-    engine_speeds: tuple[float, ...] | None
-    workers: int
-    limits: Limits
-    implausible: bool
-    command: str = "refine"
-
-
-def refine(
-    case: CaseArgument,
-    output: OutputOption = None,
-    engine_speed: SpeedOption = None,
-    elements_per_coil: ElementsOption = None,
-    settings: SetOption = None,
-    dask: DaskOption = "",
-    workers: WorkersOption = None,
-    limit: LimitOption = None,
-    implausible: ImplausibleOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def refine(request: Refine, line: DaskLine, folder: Path) -> None:
     """State the uncertainty of the headline numbers of a spring or a train: finer meshes and steps,
     other contact constants.
     """
     from valvetrain.cli.guard import interrupted
-    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.outcome import deliver
-    from valvetrain.runs.cost import FEWER_REFINED, read_limits, refuse_cost
-    from valvetrain.runs.request_cost import refine_cost
+    from valvetrain.runs.cost import FEWER_REFINED, refuse_cost
 
-    name_case(case, settings)
-    chosen = choose_case(case, settings, elements_per_coil)
-    take_folder(output)
-    request = RefineRequest(
-        chosen,
-        folder_of(case),
-        output,
-        datetime.now(UTC).replace(microsecond=0),
-        read_engine_speeds(engine_speed),
-        read_workers(workers, dask),
-        read_limits(limit),
-        implausible,
-    )
-    cost = refine_cost(chosen, request.engine_speeds, request.workers)
-    refuse_cost(cost, request.limits, fewer=FEWER_REFINED)
+    refuse_cost(request.cost(), request.limit, fewer=FEWER_REFINED)
+    now = datetime.now(UTC).replace(microsecond=0)
+    saved = SavedRequest(request.command, request.case, line.output, now, folder)
     study, stopped = _refined(request)
-    outcome = _saved_outcome(request, study, stopped)
+    outcome = _saved_outcome(request, saved, study, stopped, line.open_page)
     if not stopped:
         deliver(outcome)
         return
@@ -110,11 +50,12 @@ def refine(
     )
 
 
-def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
+def _refined(request: Refine) -> tuple[UncertaintyStudy, bool]:
     """The study, and whether it was stopped."""
     from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.runs.error_bars import RefinementStopped
     from valvetrain.runs.refine import refined
+    from valvetrain.runs.workers import worker_count
 
     case = request.case
     announce_runs(case)
@@ -123,20 +64,21 @@ def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
             return refined(
                 case,
                 engine_speeds=request.engine_speeds,
-                workers=request.workers,
+                workers=worker_count(request.workers),
                 progress=report,
-                limits=request.limits,
+                limits=request.limit,
                 implausible=request.implausible,
             ), False
     except RefinementStopped as cut:
         return cut.study, True
 
 
-def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: bool) -> Outcome:
+def _saved_outcome(
+    request: Refine, saved: SavedRequest, study: UncertaintyStudy, stopped: bool, open_page: bool
+) -> Outcome:
     """The study written to its folder, with a sentence where it was ``stopped`` or a variant
     failed.
     """
-    from valvetrain.cli.run_answer import saved_result
     from valvetrain.solution.atomic import write_text
     from valvetrain.views.json import uncertainty_object
     from valvetrain.views.refinement import RefineAnswer
@@ -163,5 +105,5 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     }
     text = case.record().text
     return saved_result(
-        request, text, data, lambda _: RefineAnswer(study), write, choices, failures=study.failures
+        saved, text, data, lambda _: RefineAnswer(study), write, choices, open_page, study.failures
     )

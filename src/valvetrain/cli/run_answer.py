@@ -1,65 +1,27 @@
-"""Common parts of ``run``, ``compare`` and ``sweep``: their options, the limit of a request, the
-saved folder and the answer.
-"""
+"""Common parts of ``run``, ``compare`` and ``sweep``: the limit of a request, the saved folder and the answer."""
 
 from __future__ import annotations
 
-import functools
-import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from valvetrain.cli.options import (
-    FIGURE_FORMATS,
-    CaseArgument,
-    DaskOption,
-    ElementsOption,
-    FiguresOption,
-    ImplausibleOption,
-    JsonOption,
-    LimitOption,
-    OpenOption,
-    OutputOption,
-    PublishedOption,
-    QuietOption,
-    ReportOption,
-    SetOption,
-    SpeedOption,
-    SpringOption,
-    SpringSetOption,
-    UnitsOption,
-    WorkersOption,
-    at_end,
-    choose_case,
-    folder_of,
-    name_case,
-    read_engine_speeds,
-    read_models,
-    read_names,
-    read_workers,
-    take_folder,
-    take_units,
-)
+from valvetrain.cli.options import at_end
 from valvetrain.cli.outcome import complain
-from valvetrain.errors import InputError
+from valvetrain.cli.request import MotionLine, RequestOf, StudyLine
+from valvetrain.runs.requests import Request, Watch
 from valvetrain.runs.run_folders import ANSWER
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import Report
-    from valvetrain.parameters.case import Case
-    from valvetrain.runs.cost import Limits
-    from valvetrain.runs.train_runs import Finished
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
@@ -67,34 +29,12 @@ if TYPE_CHECKING:
     from valvetrain.views.shown import Shown
 
 
-class Named(Protocol):
-    """A case, or another subject whose runs are saved under its name."""
-
-    @property
-    def name(self) -> str: ...
-
-
-class KeepRequest(Protocol):
-    """A request whose run is saved: command, case, folder of the case file, output folder and time."""
-
-    @property
-    def command(self) -> str: ...
-    @property
-    def case(self) -> Named: ...
-    @property
-    def folder(self) -> Path: ...
-    @property
-    def output(self) -> Path | None: ...
-    @property
-    def created_at(self) -> datetime: ...
-
-
 @dataclass(frozen=True)
 class SavedRequest:
-    """A :class:`KeepRequest` of a command that runs no study."""
+    """A request whose run is saved: command, case or other subject with a name, output folder, time, folder of the case file."""
 
     command: str
-    case: Named
+    case: Any
     output: Path | None
     created_at: datetime
     folder: Path = Path()
@@ -107,142 +47,12 @@ def show_page(page: Path) -> None:
     webbrowser.open(page.resolve().as_uri())
 
 
-@dataclass(frozen=True)
-class StudyRequest:
-    """One study as requested: the ``case`` with its changes and the ``folder`` of its file;
-    ``engine_speeds`` (rad/s of the crank, None: the case's own); words of spring models and sets
-    (empty: the study's own choice); where results go and how they are shown.
-    """
-
-    command: str
-    case: Case
-    folder: Path
-    engine_speeds: tuple[float, ...] | None
-    spring_models: tuple[str, ...]
-    spring_sets: tuple[str, ...]
-    workers: int
-    limits: Limits
-    implausible: bool
-    output: Path | None
-    report: bool
-    figures: str
-    published: bool
-    open_page: bool
-    created_at: datetime
-
-    def keywords(self, report: Report, finished: Finished | None = None) -> dict[str, Any]:
-        """What every function that computes a study takes of a request, with where progress and runs go."""
-        arrived = {} if finished is None else {"finished": finished, "limits": self.limits}
-        return arrived | {
-            "spring_models": self.spring_models, "spring_sets": self.spring_sets, "workers": self.workers, "progress": report,
-            "created_at": self.created_at.isoformat(), "implausible": self.implausible,
-        }  # fmt: skip
-
-
-def shared_options(
-    case: CaseArgument,
-    engine_speed: SpeedOption = None,
-    spring: SpringOption = None,
-    spring_set: SpringSetOption = None,
-    settings: SetOption = None,
-    elements_per_coil: ElementsOption = None,
-    output: OutputOption = None,
-    dask: DaskOption = "",
-    workers: WorkersOption = None,
-    limit: LimitOption = None,
-    implausible: ImplausibleOption = False,
-    report: ReportOption = True,
-    figures: FiguresOption = "",
-    published: PublishedOption = False,
-    open_page: OpenOption = False,
-    units: UnitsOption = "si",
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> dict[str, Any]:
-    """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read
-    the last two.
-    """
-    from valvetrain.runs.cost import read_limits
-
-    take_units(units)
-    name_case(
-        case, settings, [part for text in spring_set or () for part in ("--spring-set", text)]
-    )
-    if figures not in ("", *FIGURE_FORMATS):
-        raise InputError(
-            f"'{figures}' is no format of figures; use {', '.join(FIGURE_FORMATS)}", "--figures"
-        )
-    chosen = choose_case(case, settings, elements_per_coil)
-    take_folder(output)
-    speeds = read_engine_speeds(engine_speed)
-    if speeds and chosen.lift_law is None:
-        raise InputError(
-            f"case '{chosen.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table"
-        )
-    return {
-        "case": chosen,
-        "folder": folder_of(case),
-        "engine_speeds": speeds,
-        "spring_models": read_models(spring),
-        "spring_sets": read_names(spring_set),
-        "workers": read_workers(workers, dask),
-        "limits": read_limits(limit),
-        "implausible": implausible,
-        "output": output,
-        "report": report or open_page,
-        "figures": figures,
-        "published": published,
-        "open_page": open_page,
-        "created_at": datetime.now(UTC).replace(microsecond=0),
-    }
-
-
-def run_command(function: Callable[..., None], without: Sequence[str] = ()) -> Callable[..., None]:
-    """Give ``function(request, own options...)`` the options that all studies share, but those in ``without``;
-    its own come after them in the help.
-    """
-    own = list(inspect.signature(function).parameters.values())[1:]
-    every = inspect.signature(shared_options).parameters.values()
-    shared = [parameter for parameter in every if parameter.name not in without]
-
-    @functools.wraps(function)
-    def command(**given: Any) -> None:
-        mine = {parameter.name: given.pop(parameter.name) for parameter in own}
-        function(StudyRequest(command=function.__name__, **shared_options(**given)), **mine)
-
-    hints = get_type_hints(shared_options, include_extras=True) | {
-        name: hint
-        for name, hint in get_type_hints(
-            function, vars(sys.modules[function.__module__]), include_extras=True
-        ).items()
-        if name in {parameter.name for parameter in own}
-    }
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    parameters = [
-        parameter.replace(kind=keyword, annotation=hints[parameter.name])
-        for parameter in (*shared, *own)
-    ]
-    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    command.__annotations__ = {parameter.name: hints[parameter.name] for parameter in parameters}
-    del command.__wrapped__  # typer would look through it at the shorter signature
-    return command
-
-
-def rest_command(function: Callable[..., None]) -> Callable[..., None]:
-    """As :func:`run_command`, of springs at rest, without the options of motion."""
-    return run_command(function, ("engine_speed", "dask", "workers", "published"))
-
-
 def answer_study(
-    request: StudyRequest,
-    compute: Callable[[Report, Finished], Study],
-    choices: Mapping[str, Any] = MappingProxyType({}),
+    request: RequestOf, line: StudyLine, folder: Path, compute: Callable[[RequestOf, Watch], Study]
 ) -> None:
-    """Compute the study, save its folder and print its answer; a stopped one saves what was
-    finished.
+    """Compute the study, save it and print its answer; a stopped one saves what was finished.
 
-    ``compute`` reports its progress and each solution as it comes; ``choices``: what the command was
-    further choices, saved among the inputs.
+    ``folder``: that of the case file; ``compute`` gives the study of the request.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -251,15 +61,17 @@ def answer_study(
     from valvetrain.runs.stopping import StudyStopped
     from valvetrain.views.files import UnfinishedRun
 
+    now = datetime.now(UTC).replace(microsecond=0)
+    saved = SavedRequest(request.command, request.case, line.output, now, folder)
     begun = ("valvetrain", *sys.argv[1:])
     unfinished = UnfinishedRun(
-        lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun
+        lambda: line.output or unfinished_folder(request.case.name, now), begun
     )
     at_end(unfinished.release)
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
-            study = compute(report, unfinished.add)
+            study = compute(request, Watch(report, unfinished.add, now.isoformat()))
     except StudyStopped as cut:
         study, stopped = cut.study, True
     except BaseException as error:
@@ -270,7 +82,7 @@ def answer_study(
             else:
                 complain(sentence)
         raise
-    outcome = _saved_outcome(request, study, choices, unfinished)
+    outcome = _saved_outcome(request, line, saved, study, unfinished)
     if not stopped:
         deliver(outcome)
         return
@@ -290,7 +102,7 @@ def answer_study(
 
 
 def _saved_outcome(
-    request: StudyRequest, study: Study, choices: Mapping[str, Any], unfinished: UnfinishedRun
+    request: Request, line: StudyLine, saved: SavedRequest, study: Study, unfinished: UnfinishedRun
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
@@ -303,21 +115,20 @@ def _saved_outcome(
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, answer_json, study) | {"command": request.command}
-    choices_made = {
-        **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
-        "spring_models": list(dict.fromkeys(one.model for one in study.solutions or study.rest)) or list(request.spring_models),
-        "spring_sets": list(request.spring_sets),
-    }  # fmt: skip
+    used = list(dict.fromkeys(one.model for one in study.solutions or study.rest))
+    speeds = [rpm(value) for value in study.engine_speeds]
+    choices = request.stored() | {"engine_speeds": speeds, "engine_speed_unit": "rpm"}
+    choices |= {"models": used} if used else {}
     origin = study.solutions[0].provenance if study.solutions else None
+    report = line.report or line.open_page
     folder, page, failed = save_study(
-        request, study, choices_made, data, failures, origin, gaps, unfinished, request.report, request.figures
-    )  # fmt: skip
-    if page is not None and request.open_page:
+        saved, study, choices, data, failures, origin, gaps, unfinished, report, line.figures
+    )
+    if page is not None and line.open_page:
         show_page(page)
+    published = isinstance(line, MotionLine) and line.published
     return Outcome(
-        data,
-        lambda console: show_study(console, study, folder, page, request.published),
-        failed,
+        data, lambda console: show_study(console, study, folder, page, published), failed
     )
 
 
@@ -337,7 +148,7 @@ def show_study(
 
 
 def save_study(
-    request: KeepRequest,
+    request: SavedRequest,
     study: Study,
     choices: Mapping[str, Any],
     data: dict[str, Any],
@@ -382,7 +193,7 @@ def save_study(
 
 
 def keep_run(
-    request: KeepRequest,
+    request: SavedRequest,
     text: str,
     choices: Mapping[str, Any],
     data: Mapping[str, Any],
@@ -461,7 +272,7 @@ def keep_run(
 
 
 def saved_result(
-    request: KeepRequest,
+    request: SavedRequest,
     text: str,
     data: dict[str, Any],
     show: Callable[[Path], Shown],

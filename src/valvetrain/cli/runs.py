@@ -73,7 +73,7 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
         "case": run.case,
         "digest": run.digest,
         "asked": run.answer.get("command"),
-        "spring_models": run.choices.get("spring_models", []),
+        "models": run.choices.get("models", []),
         "engine_speeds": {"values": run.choices.get("engine_speeds", []), "unit": "rpm"},
         "completed": run.answer.get("completed"),
         "state": run.state,

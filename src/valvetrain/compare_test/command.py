@@ -37,7 +37,7 @@ from valvetrain.cli.run_answer import SavedRequest, saved_result
 ASKED = {
     "quantity": ("--quantity", "NAME", "The model's curve, where the file calls it otherwise."),
     "channel": ("--channel", "N", "Which channel of a file of several, from 1."),
-    "engine_speed": ("--engine-speed", "SPEED", "Crank speed where the test does not state it."),
+    "engine_speed": ("--rpm", "SPEED", "Crank speed where the test does not state it."),
     "bandwidth": ("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'."),
     "sensor": ("--sensor", "WORDS", "More of the gauge: 'natural_frequency=40 kHz, order=2'."),
     "shared": ("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'."),

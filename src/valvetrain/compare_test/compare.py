@@ -153,7 +153,7 @@ def compare_with_test(
     --------
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
-    >>> forces = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions[0]
+    >>> forces = vt.simulate("job-t", "3000 rpm", models=["multi-mass"]).solutions[0]
     >>> last = np.interp(angle + forces.cam_angle[0], forces.cam_angle, forces.channel("seat_force"))
     >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
@@ -167,8 +167,8 @@ def compare_with_test(
     study = simulate(
         chosen,
         tuple(f"{speed!r} rad/s" for speed in speeds),
-        spring_models=spring_models,
-        spring_set=spring_set,
+        models=spring_models,
+        spring_sets=spring_set,
         workers=workers,
         progress=progress,
         limit=limit,
@@ -203,7 +203,7 @@ def compare_study_with_test(
     --------
     >>> import numpy as np
     >>> import valvetrain as vt
-    >>> study = vt.simulate("job-t", "3000 rpm", spring_models="multi-mass")
+    >>> study = vt.simulate("job-t", "3000 rpm", models="multi-mass")
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     >>> force = 430.0 + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = vt.measured.MeasuredCycles("spring_force", "N", angle, force, cam_speed=157.07963267948966)

@@ -25,7 +25,7 @@ PHASES: dict[str, str] = dict(
 )
 #: Models that no other refines.
 FINEST = {"finite-element", "solid"}
-FINER = "valvetrain compare-test {case} {test} --spring finite-element"
+FINER = "valvetrain compare-test {case} {test} --model finite-element"
 FIT = "fit what was not measured to another test (docs/identification.md)"
 
 

@@ -25,6 +25,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
+from valvetrain.runs.requests import Run
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
 from valvetrain.solution.partial_failures import reason
@@ -185,7 +186,9 @@ def _runs(
         tuple(filter(None, (word,))) for word in (stations[0].spring_model, stations[0].spring_set)
     )
     speeds = tuple(one.engine_speed for one in stations if one.engine_speed is not None)
-    study = run_study(case, engine_speeds=speeds, spring_models=models, spring_sets=sets, workers=1)
+    study = run_study(
+        Run(case=case, engine_speeds=speeds, models=models, spring_sets=sets, workers=1)
+    )
     still = {name: value for values in study.still.values() for name, value in values.items()}
     label = study.labels[0]
     return {one: study.solution(label, one.engine_speed) for one in stations}, still

@@ -15,6 +15,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.runs.prepared import FAILURES
+from valvetrain.runs.requests import Run as RunRequest
 from valvetrain.runs.run import run_study
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -35,9 +36,9 @@ def bars_of(experiment: Evaluation, values: Iterable[float], run: Run) -> tuple[
     try:
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
             case = vary(point.case, dict(point.values))
-        study = run_study(
-            case, engine_speeds=(point.speed,), spring_models=models, spring_sets=sets, workers=1, error_bars=True,
-        )  # fmt: skip
+        study = run_study(RunRequest(
+            case=case, engine_speeds=(point.speed,), models=models, spring_sets=sets, workers=1, compute=("error_bars",),
+        ))  # fmt: skip
     except FAILURES:
         return ()
     return study.error_bars.rows

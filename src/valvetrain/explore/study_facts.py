@@ -265,6 +265,6 @@ class StudyFacts(Subject):
         if searched or speed is not None:
             step = f":{(searched[1] - searched[0]) / RPM:.6g}" if searched else ""
             ends = (*searched[:1], *searched[-1:]) or (speed or 0.0,)
-            words += ["--engine-speed", ":".join(f"{one / RPM:.8g}" for one in ends) + step]
-        words += ["--spring", model] * bool(model) + ["--spring-set", spring_set] * bool(spring_set)
+            words += ["--rpm", ":".join(f"{one / RPM:.8g}" for one in ends) + step]
+        words += ["--model", model] * bool(model) + ["--spring-set", spring_set] * bool(spring_set)
         return f"valvetrain {verb} {self.case} {shlex.join(words)}"

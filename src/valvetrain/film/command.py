@@ -105,7 +105,7 @@ def film(
         str | None,
         asks("--case", "CASE", "Case run at this speed for comparison; its lift gives the phase."),
     ] = None,
-    spring: Annotated[str, asks("--spring", "MODEL", "Spring model of that run.")] = "",
+    spring: Annotated[str, asks("--model", "MODEL", "Spring model of that run.")] = "",
     filmed_spring: Annotated[
         str,
         asks("--filmed-spring", "NAME", "Which of nested springs is seen (default: the outer)."),
@@ -141,7 +141,7 @@ def film(
     if case is None and (spring or filmed_spring or first_turn is not None):
         raise InputError("a model is run with a case; name it with --case", "--case")
     if spring:
-        find("springs", spring, "--spring")
+        find("springs", spring, "--model")
     points, _, length = (None, "", None) if scale is None else scale.rpartition(",")
     setup = FilmSetup(
         frame_rate=frame_rate,

@@ -206,7 +206,7 @@ def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
         variants = case.train.springs.items()
         wires = [name for name, springs in variants if all(part.wire is not None for part in springs)]  # fmt: skip
         models, sets = ("finite-element",) if wires else ("multi-mass",), tuple(wires[:1])
-    run = simulate(case, [engine_speed], spring_models=models, spring_set=sets).solutions[0]
+    run = simulate(case, [engine_speed], models=models, spring_sets=sets).solutions[0]
     if not run.status.completed:
         raise InputError(
             f"case '{case.name}' did not run at the speed of the film: {run.status.message}",
@@ -224,7 +224,7 @@ def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Ar
     if coil is None:
         raise InputError(
             f"the model {run.model} has no displacement of coils; choose one such as multi-mass or finite-element",
-            "spring_models",
+            "models",
         )
     if np.max(coil) <= 1 + 1e-9:  # models of a uniform bar count the share of the compliance passed
         if part.wire is None:

@@ -181,7 +181,7 @@ def cut(facts: FilmFacts) -> Iterator[Hit]:
         yield Hit(fields={"read": f"{read}", "claimed": f"{read + seen.missing}"})
 
 
-AGAINST = "valvetrain compare-test {case} --test {file} --spring {model}[ --shared '{shared}']"
+AGAINST = "valvetrain compare-test {case} --test {file} --model {model}[ --shared '{shared}']"
 RULES = (
     Rule("Y201", "decides", "coil {coil} is lost in {share} of the frames", lost, (), "its highlight leaves the line or runs into another",
          "set --line and --coils, or light one glare line on each coil", mark="warn", guide="film.md"),

@@ -106,5 +106,5 @@ RULES = (
     Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",
          rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
     Rule("A111", "notes", "the ends of the solid are bonded to their seats: where it pulls, a real spring would lift",
-         rests_on("ends-bonded"), step="valvetrain run {case} --spring finite-element", remark="bonded ends"),
+         rests_on("ends-bonded"), step="valvetrain run {case} --model finite-element", remark="bonded ends"),
 )  # fmt: skip

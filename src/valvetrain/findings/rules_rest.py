@@ -232,7 +232,7 @@ MODES = (
          "valvetrain {next} {case}", mark="", guide="models.md"),
     Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",
-         step="valvetrain modes {case} --spring modal-uniform"),
+         step="valvetrain modes {case} --model modal-uniform"),
     Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
     Rule("N111", "notes", "train and springs as one: {closed} closed, {value} at full lift ({moving})", whole_train),
     Rule("N112", "notes", "closed mode {before}[ ({first})] is nearest to mode {after} ({value}) at full lift by shape, overlap "

@@ -155,7 +155,7 @@ ALONE = (
     Rule("K103", "decides", "no coil strikes another: at most {value} on the retainer[ {at}]", quiet,
          CLASH, step=SWEEP, mark="ok", unless=("K101", "E101")),
     Rule("K104", "decides", "{value} at most[ {at}]; clash of coils is not computed",
-         unknown_coils, step="[valvetrain run {case} --spring {better}]", mark="warn",
+         unknown_coils, step="[valvetrain run {case} --model {better}]", mark="warn",
          unless=("K10", "E101")),
 )  # fmt: skip
 RULES = (

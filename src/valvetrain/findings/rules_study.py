@@ -253,7 +253,7 @@ def kept_running_up(facts: Facts) -> Iterator[Hit]:
         yield Hit(least[0], least[1], 0.0, fields)
 
 
-SWEEP, RUN = "valvetrain sweep {case}", "valvetrain run {case} --engine-speed '{speed}'"
+SWEEP, RUN = "valvetrain sweep {case}", "valvetrain run {case} --rpm '{speed}'"
 DECIDES = "{lead} decides[: {own}]"
 FIRST = (
     Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, step="[{message}: ][{remedy}]"),
@@ -269,7 +269,7 @@ RUN_UP = (
 )  # fmt: skip
 MODELS = (
     Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
-         "{value} left by {kept}", "valvetrain sweep {case} --spring wave-rod", guide="models.md", mark="warn"),
+         "{value} left by {kept}", "valvetrain sweep {case} --model wave-rod", guide="models.md", mark="warn"),
     Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
          "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
@@ -289,9 +289,9 @@ ENDS = (
     Rule("R103", "warns", "stopped before its end: {said}", stopped),
     Rule("R110", "warns", "the motion does not repeat[ {where}]: cycles differ", unsettled),
     Rule("R120", "warns", "doubtful[ {where}]: the spring's ends would lift, which {model} cannot show", pulls,
-         ("minimum_spring_force",), step="valvetrain run {case} --spring wave-rod", remark="ends would lift", unless=("W114",)),
+         ("minimum_spring_force",), step="valvetrain run {case} --model wave-rod", remark="ends would lift", unless=("W114",)),
     Rule("R121", "warns", "doubtful at {speed}: coils clash too hard for the reduced rod", too_hard,
-         step="valvetrain run {case} --spring finite-element"),
+         step="valvetrain run {case} --model finite-element"),
 )  # fmt: skip
 OTHERS = (Rule("M110", "notes", "other models: {said}", other_models),)
 SPREAD = (Rule("M111", "notes", "the {model} model says {value}[ {at}] where {lead} has {best}", spread),)  # fmt: skip

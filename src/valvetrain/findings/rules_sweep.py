@@ -294,7 +294,7 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
 RANGE = "[limit {range} rpm, by {over}]"
-COMPARE = "[valvetrain compare {case} --engine-speed '{round} rpm']"
+COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 KEPT = (*CONTACT, "float_excess_lift")
 LEFT = "[{most} and {least} left on the cam at {there}]"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
@@ -315,7 +315,7 @@ RULES = (
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
-         ("minimum_spring_force",), step="valvetrain sweep {case} --spring wave-rod", remark="ends would lift"),
+         ("minimum_spring_force",), step="valvetrain sweep {case} --model wave-rod", remark="ends would lift"),
     Rule("W111", "notes", "it also {said}", also_lost, ("float_excess_lift", "bounce_height"), unless=("D10",)),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
          two_motions),

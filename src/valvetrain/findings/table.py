@@ -63,7 +63,7 @@ def findings_of(study: Study, words: Words | None = None) -> Findings:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = findings_of(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found = findings_of(vt.simulate("job-t", "2000 rpm", models=["massless"]))
     >>> found.verdict.code, found.verdict.mark
     ('K104', 'warn')
     """

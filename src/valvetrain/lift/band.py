@@ -192,15 +192,15 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     case = shared.case.replace(lift_law=law.replace(draw=draw)) if draw else shared.case
     models, sets = shared.spring_models, shared.spring_sets
     study = simulate(
-        case, shared.engine_speeds, spring_models=models, spring_set=sets, workers=1, limit=WHOLE
+        case, shared.engine_speeds, models=models, spring_sets=sets, workers=1, limit=WHOLE
     )
     if shared.search is None:
         return study
     critical = sweep(
         case,
         shared.search,
-        spring_models=models,
-        spring_set=sets,
+        models=models,
+        spring_sets=sets,
         workers=1,
         ranges=False,  # of every drawn law the nominal speed alone
         limit=WHOLE,

@@ -85,7 +85,7 @@ def sensor_response(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> (run,) = vt.simulate("job-t", "6000 rpm", spring_models=["multi-mass"]).solutions
+    >>> (run,) = vt.simulate("job-t", "6000 rpm", models=["multi-mass"]).solutions
     >>> (one,) = sensor_response(run, Sensor(bandwidth="200 Hz"), ["retainer_force"])
     >>> one.recorded.peak < one.true_peak
     True
@@ -155,14 +155,14 @@ def case_response(
     chosen = case_of(case)
     speeds = tuple(engine_speeds) or build(chosen).engine_speeds
     if not speeds:
-        raise InputError("the case names no engine speed; give one", "--engine-speed")
+        raise InputError("the case names no engine speed; give one", "--rpm")
 
     def responses_at(speed: float, samples: float) -> list[ChannelResponse]:
         step = 2 * np.pi / float(np.clip(samples, MIN_SAMPLES, MAX_SAMPLES))
         study = simulate(
             chosen.replace(operation=chosen.operation.replace(output_step=step)),
             f"{speed!r} rad/s",
-            spring_models=spring_models,
+            models=spring_models,
             progress=lambda *_: None,
         )
         channels: list[ChannelResponse] = []

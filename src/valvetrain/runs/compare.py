@@ -10,84 +10,48 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.cost import Limits
 from valvetrain.runs.prepared import law_lift
+from valvetrain.runs.requests import Compare, Watch
 from valvetrain.runs.run import run_problem
-from valvetrain.runs.statics import reach_of, statics_by_model
+from valvetrain.runs.statics import STEPS, reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.runs.train_runs import Finished
-from valvetrain.runs.workers import Progress
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
-from valvetrain.system.build import build
+from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 
 SOLID = "solid"
-#: Default models of a comparison: of a spring alone, of a train.
-SPRING_MODELS = (
-    "massless",
-    "multi-mass",
-    "modal-varied",
-    "wave-rod",
-    "wave-rod-clash",
-    "finite-element",
-)
-TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod", "reduced-rod")
-#: Steps of the curves at rest.
-STEPS = 64
 
 
-def compare_study(
-    case: Case,
-    *,
-    engine_speeds: Sequence[float] | None = None,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
-    workers: int | None = None,
-    progress: Progress | None = None,
-    created_at: str = "",
-    limits: Limits = Limits(),
-    implausible: bool = False,
-    finished: Finished | None = None,
-    error_bars: bool = False,
-) -> Study:
-    """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
+def compare_study(request: Compare, watch: Watch = Watch()) -> Study:
+    """A case by each of the models requested (:data:`COMPARED_ALONE` or :data:`COMPARED_IN_TRAIN` by
     default): its runs, and every spring at rest by each model.
 
     A model that cannot represent a spring is a status in its runs. Raises :class:`InputError` for
     what cannot be built and when no model can run.
     """
-    chosen = tuple(dict.fromkeys(spring_models)) or _default_models(case, spring_sets)
+    case = request.case
+    chosen = request.models or _default_models(case, request.spring_sets)
     if SOLID in chosen and case.train is None and case.lift_law is None:
         raise InputError(
             f"case '{case.name}' holds no lift law, and solid finite elements are compared in motion; add a [lift_law] table or leave solid out",
-            "spring_models",
+            "models",
         )
     if case.train is not None and SOLID in chosen:
         raise InputError(
             f"solid finite elements are compared as a spring alone, and case '{case.name}' is a train; leave solid out, or run it by them",
-            "spring_models",
+            "models",
         )
-    moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
-    problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
-    speeds = (
-        (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
+    moving = tuple(word for word in chosen if not spring_model(word, "models").no_motion)
+    problem = build(
+        case, spring_models=moving or ("finite-element",), spring_set=request.spring_sets
     )
-    study = run_problem(
-        problem,
-        speeds,
-        workers=workers,
-        progress=progress,
-        created_at=created_at,
-        command="compare",
-        limits=limits,
-        implausible=implausible,
-        finished=finished,
-        error_bars=error_bars,
-    )
+    given = request.engine_speeds
+    speeds = (problem.engine_speeds if given is None else given) if moving else ()
+    study = run_problem(problem, speeds, request, watch)
     if problem.kind == TRAIN:
         return study
     lift = law_lift(problem)
@@ -110,11 +74,11 @@ def compare_study(
 
 def _default_models(case: Case, spring_sets: Sequence[str]) -> tuple[str, ...]:
     """The default models that can represent the springs."""
-    models: tuple[str, ...] = SPRING_MODELS
+    models: tuple[str, ...] = COMPARED_ALONE
     springs = case.springs
     if (train := case.train) is not None:
         sets = tuple(spring_sets) or ("",)
-        models = TRAIN_MODELS
+        models = COMPARED_IN_TRAIN
         springs = tuple(spring for name in sets for spring in train.spring_parts(name))
     return tuple(
         word for word in models if not any(spring_model(word).why_not(spring) for spring in springs)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of, case_of_tree, parse_toml
-from valvetrain.runs.stopping import StudyStopped
-from valvetrain.solution.study import Study
+from valvetrain.runs.requests import CompareSprings
 
 #: Key paths of a train that belong to its own springs.
 _OWN = ("springs", "spring_set", "variants", "rubbing")
@@ -105,16 +104,15 @@ def _damped(block: Mapping[str, Any], own: list[Mapping[str, Any]]) -> dict[str,
     return dict(block) if damping is None or "damping" in block else {**block, "damping": damping}
 
 
-def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
-    """The given models, or one for both springs where a card is compared with a wire."""
+def paired(
+    request: CompareSprings, first: AnyCase, second: AnyCase, files: tuple[str, str] = ("", "")
+) -> CompareSprings:
+    """The request of an engine with the springs of ``first`` and ``second`` in it, as :func:`with_two_springs` puts them.
+
+    Without models both have one where a card is compared with a wire, else their own.
+    """
+    case = with_two_springs(request.case, first, second, files)
     assert case.train is not None
-    models = {case.train.model_of(name) for name in case.train.springs}
-    return spring_models or ((MIXED_MODEL,) if len(models) > 1 else ())
-
-
-def compared(sweep: Callable[[], Study]) -> Study:
-    """The sweep of such a case as the comparison that it is, also where it is stopped."""
-    try:
-        return replace(sweep(), command="compare-springs")
-    except StudyStopped as stop:
-        raise StudyStopped(replace(stop.study, command="compare-springs")) from None
+    own = {case.train.model_of(name) for name in case.train.springs}
+    models = request.models or ((MIXED_MODEL,) if len(own) > 1 else ())
+    return replace(request, case=case, models=models, spring_sets=tuple(case.train.springs))

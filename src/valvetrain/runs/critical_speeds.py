@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Orbit, Periodic
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.train_events import counted_losses, drive_forces
@@ -34,7 +33,6 @@ from valvetrain.solution.critical import (
 from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import Given, si
 
 RPM = math.pi / 30
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
@@ -63,33 +61,9 @@ class CriticalOptions:
     bounce_height: float = BOUNCE_HEIGHT
     ranges: bool = True
 
-    def __post_init__(self) -> None:
-        examples = {"resolution": "10 rpm", "float_lift": "0.05 mm", "bounce_height": "0.1 mm"}
-        for name, example in examples.items():
-            if not (math.isfinite(value := getattr(self, name)) and value > 0):
-                raise InputError(
-                    f"the {name.replace('_', ' ')} of critical speeds must be positive; give such as '{example}'",
-                    f"--{name.replace('_', '-')}",
-                )
-
     def limit_of(self, kind: str) -> float:
         """Limit (SI) of a kind: the contact force of a loss of contact is zero."""
         return {"float": self.float_lift, "bounce": self.bounce_height}.get(kind, 0.0)
-
-
-def read_options(
-    resolution: Given, float_lift: Given, bounce_height: Given, ranges: bool = True
-) -> CriticalOptions:
-    """Options from "10 rpm" or rad/s, "50 um" or m, or pint quantities.
-
-    Raises :class:`InputError` for another unit or what is not positive.
-    """
-    return CriticalOptions(
-        si(resolution, "engine_speed", "resolution"),
-        si(float_lift, "length", "float_lift"),
-        si(bounce_height, "length", "bounce_height"),
-        ranges,
-    )
 
 
 def sample_of(

@@ -11,7 +11,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Cost
 from valvetrain.springs.spec import SpringModelSpec, spring_model
-from valvetrain.system.build import default_models
+from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, default_models
 
 #: Cam revolutions until a motion repeats, where a case gives no number; time (s) in which a spring alone forgets its start.
 CYCLES, FORGOTTEN = 6, 0.1
@@ -47,7 +47,7 @@ class Request(Protocol):
     @property
     def engine_speeds(self) -> tuple[float, ...] | None: ...
     @property
-    def spring_models(self) -> tuple[str, ...]: ...
+    def models(self) -> tuple[str, ...]: ...
     @property
     def spring_sets(self) -> tuple[str, ...]: ...
     @property
@@ -61,7 +61,7 @@ class RunRequest:
     command: str
     case: Case
     engine_speeds: tuple[float, ...] | None
-    spring_models: tuple[str, ...]
+    models: tuple[str, ...]
     spring_sets: tuple[str, ...]
     workers: int
 
@@ -70,11 +70,9 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
     """(spring models, installed springs) of every part of the study, as
     :func:`valvetrain.system.build.build` chooses them.
     """
-    case, models = request.case, request.spring_models
+    case, models = request.case, request.models
     if request.command == "compare" and not models:
-        from valvetrain.runs.compare import SPRING_MODELS, TRAIN_MODELS  # as only it needs the rod
-
-        models = SPRING_MODELS if case.train is None else TRAIN_MODELS
+        models = COMPARED_ALONE if case.train is None else COMPARED_IN_TRAIN
     if case.train is None:
         return [(models or default_models(case.springs), case.springs)]
     train, sets = case.train, case.train.springs
@@ -145,7 +143,7 @@ def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
     mean = (first + last) / 2
     if not (mean > 0 and duration > 0):
         return Cost()  # refused, with its reason, where it begins
-    models, sets = request.spring_models, request.spring_sets
+    models, sets = request.models, request.spring_sets
     steady = request_cost(RunRequest("run-up", request.case, (mean,), models, sets, 1), whole=False)
     runs = duration * mean / (4 * math.pi) / CYCLES
     return Cost(steady.seconds * runs, steady.bytes)
@@ -161,7 +159,7 @@ def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int 
 
 def static_cost(
     case: Case,
-    spring_models: Sequence[str] = (),
+    models: Sequence[str] = (),
     *,
     spring_sets: Sequence[str] = (),
     heights: int,
@@ -174,14 +172,14 @@ def static_cost(
     costs = (
         spring_cost(spring, model, heights, modes)
         for spring in dict.fromkeys(spring for _, springs in parts for spring in springs)
-        for model in spring_models or (default_model(spring),)
+        for model in models or (default_model(spring),)
     )
     return sum(costs, Cost())
 
 
 def spring_cost(spring: InstalledSpring, model: str, heights: int, modes: int = 0) -> Cost:
     """Cost of one spring at rest by one model at as many ``heights``, and of its ``modes``."""
-    spec = spring_model(model, "spring_models")
+    spec = spring_model(model, "models")
     points, _ = mesh_of(spec, spring)
     heights = min(heights, MOST_HEIGHTS)
     # a chain has whole matrices, the search for modes of a rod two vectors for each of them

@@ -4,7 +4,6 @@ speed (:func:`sweep_study`).
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
@@ -12,13 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.errors import InputError, RunFailedError
+from valvetrain.errors import RunFailedError
 from valvetrain.integrate.contract import Keep
-from valvetrain.parameters.case import Case
 from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
 from valvetrain.runs.between_speeds import between_facts, run_between
-from valvetrain.runs.cost import Limits
-from valvetrain.runs.critical_speeds import RPM, CriticalOptions, find_critical_speeds
+from valvetrain.runs.critical_speeds import find_critical_speeds
 from valvetrain.runs.facts import (
     beyond_wire_facts,
     case_facts,
@@ -37,6 +34,7 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
+from valvetrain.runs.requests import SpeedRequest, Sweep, Watch
 from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
 from valvetrain.runs.stored_error_bars import (
     load_uncertainty,
@@ -60,7 +58,6 @@ from valvetrain.runs.workers import (
     as_they_come,
     return_memory,
     threads,
-    worker_count,
 )
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.facts import Fact
@@ -83,128 +80,34 @@ SOLID = "solid"
 GRID_SHARE = 0.5
 
 
-def run_study(
-    case: Case,
-    *,
-    engine_speeds: Sequence[float] | None = None,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
-    workers: int | None = None,
-    progress: Progress | None = None,
-    created_at: str = "",
-    command: str = "run",
-    whole: bool = True,
-    limits: Limits = Limits(),
-    implausible: bool = False,
-    finished: Finished | None = None,
-    rest: bool = True,
-    ends_alone: bool = False,
-    error_bars: bool = False,
-) -> Study:
-    """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
-    models and spring sets.
+def run_study(request: SpeedRequest, watch: Watch = Watch()) -> Study:
+    """A case at its engine speeds, or at given ones, by its variants or by given models and spring sets.
 
-    ``whole``: solutions store their channels; ``rest``, ``ends_alone``: see :func:`run_problem`.
-    Results do not depend on ``workers`` (None: all
-    cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
-    and when no model can run; a run that fails is a status.
+    Results do not depend on the workers. Raises :class:`InputError` for what cannot be built, for a speed that is not
+    positive and when no model can run; a run that fails is a status.
     """
-    problem = build(case, spring_models=spring_models, spring_set=spring_sets)
-    speeds = problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)
-    return run_problem(
-        problem,
-        speeds,
-        workers=workers,
-        progress=progress,
-        created_at=created_at,
-        command=command,
-        whole=whole,
-        finished=finished,
-        limits=limits,
-        implausible=implausible,
-        rest=rest,
-        ends_alone=ends_alone,
-        error_bars=error_bars,
-    )
+    problem = build(request.case, spring_models=request.models, spring_set=request.spring_sets)
+    speeds = request.engine_speeds
+    speeds = problem.engine_speeds if speeds is None else speeds
+    study = run_problem(problem, speeds, request, watch)
+    return study if request.requested is None else request.requested.of_study(study)
 
 
-def sweep_speeds(case: Case, step: int = 100) -> tuple[float, ...]:
-    """Crank speeds (rad/s) of a sweep that names none: from 1000 rpm to 1.2 times the red line, else the highest speed of
-    the case, else to 9000 rpm.
-
-    Parameters
-    ----------
-    case : the case that is swept
-    step : between two speeds (rpm); larger by a whole factor where more than a hundred speeds would follow
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> speeds = sweep_speeds(vt.parameters.loading.load_case("tdi-pushrod"))
-    >>> round(speeds[-1] * 30 / np.pi)
-    4800
-    """
-    top = 1.2 * case.operation.top_speed / RPM or 9000
-    step *= math.ceil(top / (100 * step))
-    last = max(step * math.ceil(top / step - 1e-9), 1000)
-    return tuple(speed * RPM for speed in range(1000, last + 1, step))
-
-
-def sweep_study(
-    case: Case,
-    engine_speeds: Sequence[float],
-    *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
-    whole: bool = False,
-    workers: int | None = None,
-    progress: Progress | None = None,
-    created_at: str = "",
-    critical: CriticalOptions | None = CriticalOptions(),
-    finished: Finished | None = None,
-    limits: Limits = Limits(),
-    implausible: bool = False,
-    rest: bool = True,
-    ends_alone: bool = False,
-    error_bars: bool = False,
-) -> Study:
-    """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
-    the critical speeds of a train between the lowest and the highest of them (``critical`` None:
-    not searched); ``rest``, ``ends_alone``: see :func:`run_problem`.
+def sweep_study(request: Sweep, watch: Watch = Watch()) -> Study:
+    """A case over engine speed: solutions, reduced unless channels are requested, and the critical speeds of a train between
+    the lowest and the highest speed.
 
     By default the spring set that a train names, every one where it names none, each by its own
-    model; a spring alone by its default models.
-    Raises :class:`InputError` for no speed at all and for what cannot be built.
+    model; a spring alone by its default models. Raises :class:`InputError` for what cannot be built.
     """
-    speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
-    if not speeds:
-        raise InputError(
-            "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
-            "engine_speeds",
-        )
-    sets = tuple(spring_sets) or (case.train.swept_sets if case.train is not None else ())
-    problem = build(case, spring_models=spring_models, spring_set=sets)
+    case, speeds = request.case, tuple(sorted(request.with_speeds().engine_speeds or ()))
+    sets = request.spring_sets or (case.train.swept_sets if case.train is not None else ())
+    problem = build(case, spring_models=request.models, spring_set=sets)
     try:
-        return _with_critical(
-            run_problem(
-                problem,
-                speeds,
-                workers=workers,
-                progress=progress,
-                created_at=created_at,
-                command="sweep",
-                whole=whole,
-                critical=critical,
-                finished=finished,
-                limits=limits,
-                implausible=implausible,
-                rest=rest,
-                ends_alone=ends_alone,
-                error_bars=error_bars,
-            )
-        )
+        study = _with_critical(run_problem(problem, speeds, request, watch))
     except StudyStopped as stop:
         raise StudyStopped(_with_critical(stop.study)) from None
+    return study if request.requested is None else request.requested.of_study(study)
 
 
 def _unsearched(problem: Problem, found: CriticalSpeeds, begun: bool) -> str:
@@ -227,41 +130,29 @@ def _with_critical(study: Study) -> Study:
 def run_problem(
     problem: Problem,
     engine_speeds: Sequence[float],
-    *,
-    workers: int | None = None,
-    progress: Progress | None = None,
-    created_at: str = "",
-    command: str = "run",
-    whole: bool = True,
-    critical: CriticalOptions | None = None,
-    finished: Finished | None = None,
-    limits: Limits = Limits(),
-    implausible: bool = False,
-    rest: bool = True,
-    ends_alone: bool = False,
-    error_bars: bool = False,
+    request: SpeedRequest,
+    watch: Watch = Watch(),
 ) -> Study:
-    """The study of a problem at ``engine_speeds`` (rad/s of the crank); see :func:`run_study`.
+    """The study of a problem at ``engine_speeds`` (rad/s of the crank), as a request wants it computed.
 
-    ``critical``: search a train's critical speeds between the lowest and the highest of them;
-    ``finished``: called with index and solution of each run as it arrives; ``limits`` of one run;
-    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`; ``rest``: springs
-    under prescribed motion are solved at rest, those that no model needs too; ``ends_alone``: of them the motion inside is
-    not recorded; ``error_bars``: those that are not stored are computed. Raises :class:`StudyStopped`, a
-    KeyboardInterrupt, with what is finished when it is stopped.
+    Raises :class:`StudyStopped`, a KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
     problem, speeds = problem.settled(), tuple(float(speed) for speed in engine_speeds)
     refuse_speeds(problem, speeds)
     problem.must_run()
-    if not implausible:
+    if not request.implausible:
         refuse_implausible(problem, speeds)
+    command, whole, critical = request.command, request.stores_channels, request.critical_options
+    progress, finished, created_at = watch.progress, watch.finished, watch.created_at
+    error_bars = bool(request.compute)
+    rest = request.requested is None or request.requested.rest
     if problem.kind == TRAIN:
-        samples = 720 if command == "sweep" else None
+        samples = 720 if isinstance(request, Sweep) else None
     else:
         samples = round(2 * np.pi / problem.output_step)
     keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
-    if ends_alone and problem.kind != TRAIN:
+    if request.requested is not None and request.requested.ends_alone and problem.kind != TRAIN:
         keep = "ends"
     plan = Plan(
         keep,
@@ -270,10 +161,10 @@ def run_problem(
         problem.cycles,
         problem.cycles_to_settle,
         created_at,
-        limits.seconds,
-        implausible,
+        request.limit.seconds,
+        request.implausible,
     )
-    count = worker_count(workers)
+    count = request.worker_count
     found, stopped = CriticalSpeeds(), False
     at_rest: AtRest | None = None
     still: dict[str, dict[str, float]] = {}
@@ -288,9 +179,12 @@ def run_problem(
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
         for name, values in failures.part("preloads", {}, preloads, ready).items():
             still[name] = {**still.get(name, {}), **values}
-        if command == "sweep" and not stopped:
+        if isinstance(request, Sweep) and not stopped:
             name = "runs between the swept speeds"
-            between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
+            try:
+                between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
+            except PointsStopped:
+                stopped = True
         searched = critical is not None and not stopped
         own = tuple(
             one for one in ready if not one.member.driven

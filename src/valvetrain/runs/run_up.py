@@ -5,8 +5,8 @@ revolution.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,10 @@ from valvetrain.integrate.run_up import turns_of_run_up
 from valvetrain.integrate.train_leapfrog import FINER_STEPS, SAMPLES
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
-from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
-from valvetrain.runs.cost import limits_of, refuse_cost
+from valvetrain.runs.cost import refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -30,11 +30,11 @@ from valvetrain.runs.prepared import (
     without_channels,
 )
 from valvetrain.runs.refusals import refuse_implausible
-from valvetrain.runs.request_cost import RunRequest, run_up_cost
+from valvetrain.runs.requests import RunUp, Watch
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics, preloads
 from valvetrain.runs.watch import shows_progress
-from valvetrain.runs.workers import Progress, map_points, worker_count
+from valvetrain.runs.workers import Progress, map_points
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.partial_failures import reason
@@ -42,12 +42,11 @@ from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import Given, as_names, known_arguments, si
+from valvetrain.units import Given
 
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
@@ -55,7 +54,6 @@ Ramp = tuple[float, float, float]
 MIN_REVOLUTIONS = 1
 
 
-@known_arguments
 @shows_progress("run-up")
 def run_up(
     case: AnyCase,
@@ -63,12 +61,8 @@ def run_up(
     last_engine_speed: Given,
     duration: Given,
     *,
-    spring_models: Sequence[str] | str = (),
-    spring_set: Sequence[str] | str = (),
-    workers: int | None = None,
     progress: Progress | None = None,
-    limit: str = "",
-    implausible: bool = False,
+    **options: Any,
 ) -> Study:
     """A train from one engine speed to another at constant acceleration, from the steady motion of
     the first.
@@ -79,12 +73,8 @@ def run_up(
     first_engine_speed, last_engine_speed : of the crank, "1000 rpm", rad/s or a pint quantity; a
         last one below the first runs down
     duration : time between them, "2 s", s or a pint quantity
-    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own by default
-    spring_set : name of a spring set of the train, or several
-    workers : variants at a time; results do not depend on it
     progress : called with the share done and a text
-    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
-    implausible : let values pass that no valvetrain can have (docs/plausible.md)
+    options : ``models``, ``spring_sets``, ``workers``, ``limit`` and ``implausible`` as for :func:`valvetrain.simulate`
 
     Returns
     -------
@@ -98,54 +88,34 @@ def run_up(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.run_up("tdi-pushrod", "2000 rpm", "2400 rpm", "0.2 s", spring_models="massless", spring_set="stock")
+    >>> study = vt.run_up("tdi-pushrod", "2000 rpm", "2400 rpm", "0.2 s", models="massless", spring_sets="stock")
     >>> speeds, force = study.series("massless", "peak_cam_contact_force")
     >>> len(speeds), [round(float(speed) * 30 / 3.14159) for speed in speeds[:2]]
     (4, [2058, 2172])
     """
-    ramp = (
-        si(first_engine_speed, "engine_speed", "first_engine_speed"), si(last_engine_speed, "engine_speed", "last_engine_speed"),
-        si(duration, "time", "duration"),
-    )  # fmt: skip
-    case, models, sets = case_of(case), model_names(spring_models), as_names(spring_set)
-    request = RunRequest("run-up", case, None, models, sets, worker_count(workers))
-    refuse_cost(run_up_cost(request, ramp), limits_of(limit), "limit=")
-    return run_up_study(
-        case,
-        ramp,
-        spring_models=models,
-        spring_sets=sets,
-        workers=workers,
-        progress=progress,
-        implausible=implausible,
-    )
+    ends = {"first_engine_speed": first_engine_speed, "last_engine_speed": last_engine_speed}
+    request = RunUp.read({"case": case, **ends, "duration": duration, **options})
+    refuse_cost(request.cost(), request.limit, "limit=")
+    return run_up_study(request, Watch(progress))
 
 
-def run_up_study(
-    case: AnyCase,
-    ramp: Ramp,
-    *,
-    spring_models: Sequence[str] = (),
-    spring_sets: Sequence[str] = (),
-    workers: int | None = None,
-    progress: Progress | None = None,
-    created_at: str = "",
-    implausible: bool = False,
-) -> Study:
-    """See :func:`run_up`; ``ramp``: first and last crank speed (rad/s) and time (s) between them."""
+def run_up_study(request: RunUp, watch: Watch = Watch()) -> Study:
+    """The study of a run-up; see :func:`run_up`."""
     begun = time.perf_counter()
-    first, last, duration = ramp
-    if not (min(first, last, duration) > 0 and first != last and np.isfinite(sum(ramp))):
+    first, last, duration = ramp = request.ramp
+    progress, created_at = watch.progress, watch.created_at
+    if first == last:
         raise InputError(
-            "a run-up goes from one positive engine speed to another in a positive time; correct them",
-            "first_engine_speed",
+            "a run-up goes from one engine speed to another; correct them", "last_engine_speed"
         )
     if (revolutions := (first + last) / 2 * duration / (4 * np.pi)) < MIN_REVOLUTIONS:
         raise InputError(
             f"this run-up holds {revolutions:.2g} cam revolutions, and its values are of whole ones; take a longer time",
             "duration",
         )
-    problem = build(case, spring_models=spring_models, spring_set=spring_sets).settled()
+    problem = build(
+        request.case, spring_models=request.models, spring_set=request.spring_sets
+    ).settled()
     if problem.kind != TRAIN:
         raise InputError(
             f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead"
@@ -154,9 +124,9 @@ def run_up_study(
     if any(member.driven for member in problem.members):
         raise InputError(
             "solid finite elements follow a train whose motion repeats, and that of a run-up does not; use finite-element",
-            "spring_models",
+            "models",
         )
-    if not implausible:
+    if not request.implausible:
         refuse_implausible(problem, (max(first, last),))
     ready = tuple(
         prepare(problem, member, member_statics(problem, member), problem.record.study)
@@ -177,7 +147,7 @@ def run_up_study(
             member_revolutions,
             shared,
             range(len(ready)),
-            workers,
+            request.workers,
             processes=True,
             tell=tell,
             lost=lambda index: without(index, WORKER_LOST),

@@ -60,7 +60,7 @@ class Choices(BaseModel):
     """The options of ``run.json``, as far as they are read back: crank speeds in rpm, names of models."""
 
     engine_speeds: list[float] = []
-    spring_models: list[str] = []
+    models: list[str] = []
 
 
 class Answer(BaseModel):
@@ -137,9 +137,9 @@ class SavedRun:
         return choices if isinstance(choices, Mapping) else {}
 
     @property
-    def spring_models(self) -> tuple[str, ...]:
+    def models(self) -> tuple[str, ...]:
         """Names of the spring models that ran."""
-        return tuple(map(str, self.choices.get("spring_models", ())))
+        return tuple(map(str, self.choices.get("models", ())))
 
     @property
     def engine_speeds(self) -> tuple[float, ...]:

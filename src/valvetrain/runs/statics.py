@@ -116,17 +116,17 @@ def static_study(
         models = tuple(spring_models) or (default_model(spring),)
         rod_result = None
         for name in models:
-            spec = spring_model(name, "spring_models")
+            spec = spring_model(name, "models")
             if reason := spec.why_not(spring):
-                raise InputError(reason, "spring_models")
+                raise InputError(reason, "models")
             if spec.no_statics:
-                raise InputError(f"{spec.no_statics}; choose {WIRE}", "spring_models")
+                raise InputError(f"{spec.no_statics}; choose {WIRE}", "models")
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
             if attached_mass is not None and name != WIRE:
                 raise InputError(
                     f"modes with a mass on the retainer are those of {WIRE}; leave {name} out",
-                    "spring_models",
+                    "models",
                 )
             model = problem.model_of(name, spring, rod_result)
             one = (

@@ -169,14 +169,14 @@ def compare_scan(
     numbers, runs = _at_rest(cases, rest), []
     if engine_speeds is not None:
         for model in spring_models:
-            spring_model(model, "spring_models")
+            spring_model(model, "models")
         for first, part in ((0.0, case), (0.5, scanned)):
 
             def report(done: float, labels: str, first: float = first) -> None:
                 if progress is not None:
                     progress(first + 0.5 * done, labels)
 
-            runs.append(simulate(part, engine_speeds, spring_models=spring_models, workers=workers, progress=report))  # fmt: skip
+            runs.append(simulate(part, engine_speeds, models=spring_models, workers=workers, progress=report))  # fmt: skip
         numbers += _in_motion(*runs)
     notes = [note for note in upright.notes if not note.startswith(ASSUMED)]
     notes.append(f"material, damping, contacts and inactive turns of the design '{case.name}'")

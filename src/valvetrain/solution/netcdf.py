@@ -124,7 +124,7 @@ def save_netcdf(item: Any, path: _PathLike) -> Path:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", models=["massless"]).solutions
     >>> path = vt.solution.save_netcdf(run, "run.nc")
     >>> vt.solution.load_netcdf(path).quantities["peak_spring_force"] == run.quantities["peak_spring_force"]
     True
@@ -170,7 +170,7 @@ def load_netcdf(path: _PathLike) -> Solution:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", models=["massless"]).solutions
     >>> vt.solution.load_netcdf(vt.solution.save_netcdf(run, "run.nc")).label
     'massless'
     """

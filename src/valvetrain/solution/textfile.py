@@ -34,7 +34,7 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> (run,) = vt.simulate("job-t", "2000 rpm", spring_models=["massless"]).solutions
+    >>> (run,) = vt.simulate("job-t", "2000 rpm", models=["massless"]).solutions
     >>> path = vt.solution.save_csv(run, "run.csv")
     >>> path.read_text().splitlines()[0].split(",")[0]
     'time [s]'

@@ -130,12 +130,12 @@ def takes_spring(part: Any) -> bool:
     if len(needed) > 1:
         raise InputError(
             f"class {part.__name__} needs {len(needed)} arguments; give an instance, or a class that takes the installed spring alone",
-            "spring_models",
+            "models",
         )
     return len(needed) == 1
 
 
-def behaviour_of(part: Any, where: str = "spring_models") -> Behaviour:
+def behaviour_of(part: Any, where: str = "models") -> Behaviour:
     """What a function, class or instance does as a spring. Raises :class:`InputError` where it is
     none: its arguments, or what it gives at some compressions.
     """

@@ -27,7 +27,7 @@ from valvetrain.units.text import clipped
 STEP_SHARE, TRAVEL = 0.5, 1e-6
 
 
-def model_name(model: Any, where: str = "spring_models") -> str:
+def model_name(model: Any, where: str = "models") -> str:
     """The name of a spring model given by name, class or instance, or as a function of the
     compression. Raises :class:`InputError` for what is none of them.
     """

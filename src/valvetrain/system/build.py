@@ -44,6 +44,11 @@ WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
     ("modal-uniform",),
     ("massless",),
 )
+#: Default models of a comparison: of a spring alone, of a train.
+COMPARED_ALONE = (
+    "massless", "multi-mass", "modal-varied", "wave-rod", "wave-rod-clash", "finite-element",
+)  # fmt: skip
+COMPARED_IN_TRAIN = ("massless", "multi-mass", "modal-uniform", "wave-rod", "reduced-rod")
 
 
 @known_arguments
@@ -117,7 +122,7 @@ def _is_text_of(text: str, case: Case) -> bool:
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = lift_law_of(case)
     specs = tuple(
-        spring_model(word, "spring_models") for word in dict.fromkeys(model_names(spring_models))
+        spring_model(word, "models") for word in dict.fromkeys(model_names(spring_models))
     )
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))

@@ -159,7 +159,7 @@ class Problem:
     def must_run(self) -> None:
         """Raise :class:`InputError` when no member can run in time, with the reason of the first."""
         if self.members and all(member.refusal for member in self.members):
-            raise InputError(self.members[0].refusal, "spring_models")
+            raise InputError(self.members[0].refusal, "models")
 
     def settled(self) -> Problem:
         """The problem as it runs: members whose default model has no tables are chains of masses,

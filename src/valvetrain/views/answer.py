@@ -34,7 +34,7 @@ class Answer(ShownStudy):
     """What is shown of a ``study``, in the units of the reader by default.
 
     >>> import valvetrain as vt
-    >>> answer = Answer(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> answer = Answer(vt.simulate("job-t", "2000 rpm", models=["massless"]))
     >>> answer.verdict.code, len(answer.lines) > 4
     ('K104', True)
     """

@@ -126,7 +126,7 @@ def study_json(study: Study) -> dict[str, Any]:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = vt.views.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found = vt.views.study_json(vt.simulate("job-t", "2000 rpm", models=["massless"]))
     >>> found["runs"][0]["quantities"]["peak_spring_force"]["unit"]
     'N'
     """

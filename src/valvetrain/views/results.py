@@ -55,7 +55,7 @@ def answer_of(result: object) -> Shown | None:
     """What is shown of a result, by the class that the registry lists (kind ``answers``); None where none is listed.
 
     >>> import valvetrain as vt
-    >>> answer_of(vt.simulate("job-t", "2000 rpm", spring_models=["massless"])).verdict.code
+    >>> answer_of(vt.simulate("job-t", "2000 rpm", models=["massless"])).verdict.code
     'K104'
     """
     word = type(result).__name__
@@ -96,7 +96,7 @@ def answer_json(study: Study) -> dict[str, Any]:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = answer_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found = answer_json(vt.simulate("job-t", "2000 rpm", models=["massless"]))
     >>> found["findings"][0]["code"], found["runs"][0]["quantities"]["peak_spring_force"]["unit"]
     ('K104', 'N')
     """
@@ -131,7 +131,7 @@ def write_study(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> study = vt.simulate("job-t", "2000 rpm", models=["massless"])
     >>> written = vt.write_study(study, "results", page=False)
     >>> sorted(file.name for file in written.data)[:3]
     ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
@@ -209,7 +209,7 @@ def figures_of(answer: Shown) -> dict[str, go.Figure]:
     """Every figure that an answer has data for, by name, the one that opens the page first.
 
     >>> import valvetrain as vt
-    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> study = vt.simulate("job-t", "2000 rpm", models=["massless"])
     >>> list(figures_of(answer_of(study)))[0]
     'force'
     """

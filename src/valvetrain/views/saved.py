@@ -72,7 +72,7 @@ def _label(one: SavedRun | UnfinishedFolder) -> str:
 
 def _finished(run: SavedRun, words: Words) -> Line:
     """A saved run with its verdict, or the number that stands for it."""
-    speeds, models, best = run.engine_speeds, run.spring_models, run.headline
+    speeds, models, best = run.engine_speeds, run.models, run.headline
     rpm = "" if not speeds else f"{speeds[0]:g}" + (f"–{speeds[-1]:g}" if len(speeds) > 1 else "")
     text, mark = run.verdict.get("text", ""), run.verdict.get("mark", "")
     if best and not text:

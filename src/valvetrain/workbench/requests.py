@@ -36,7 +36,7 @@ class JobRequest:
     kind : ``run``, ``sweep`` or ``study``
     case : id of the case; it is read when the job is submitted
     spring_models : words of spring models, empty for the case's own
-    engine_speeds : crank speeds as ``--engine-speed`` takes them, ``"4200, 5600 rpm"`` or
+    engine_speeds : crank speeds as ``--rpm`` takes them, ``"4200, 5600 rpm"`` or
         ``"1000:9000:100 rpm"``; empty for the case's own
     spring_sets : spring sets of a train, empty for its own
     study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
@@ -95,10 +95,10 @@ def command_arguments(
     ]
     if request.kind == "study":
         return [*arguments, f"--output={folder}", "--", file]
-    arguments += [f"--spring={word}" for word in request.spring_models] + [
+    arguments += [f"--model={word}" for word in request.spring_models] + [
         f"--spring-set={word}" for word in request.spring_sets
     ]
-    arguments += [f"--engine-speed={request.engine_speeds}"] if request.engine_speeds else []
+    arguments += [f"--rpm={request.engine_speeds}"] if request.engine_speeds else []
     return [*arguments, "--", file]
 
 

@@ -219,7 +219,7 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
         bool(answer.get("completed", True)),
         tuple(clipped(one, 1000) for one in saved.failures),
         clipped(str(answer.get("title", "")), 200),
-        tuple(map(clipped, saved.spring_models)),
+        tuple(map(clipped, saved.models)),
         saved.engine_speeds,
         clipped(verdict[:1].upper() + verdict[1:], 1000),
     )

@@ -133,7 +133,7 @@ def moving_picture(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> picture = moving_picture(vt.simulate("job-t", "2000 rpm", spring_models=["multi-mass"]))
+    >>> picture = moving_picture(vt.simulate("job-t", "2000 rpm", models=["multi-mass"]))
     >>> [variant.label for variant in picture.variants], len(picture.variants[0].springs)
     (['multi-mass'], 1)
     """

@@ -1,0 +1,192 @@
+"""Commands made from requests: each field of a request and of its command line is an option, and the model alone reads
+its text.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import typer
+
+from valvetrain.cli.options import (
+    FIGURE_FORMATS,
+    choose_case,
+    folder_of,
+    matching_cases,
+    name_case,
+    read_folder,
+    read_workers,
+    take_folder,
+    take_units,
+)
+from valvetrain.runs.request_fields import (
+    Fields,
+    Option,
+    count,
+    one_of,
+    option,
+    options_of,
+    read_switch,
+    read_text,
+)
+from valvetrain.runs.requests import MotionRequest, Refine, Request
+
+RequestOf = TypeVar("RequestOf", bound=Request)
+LineOf = TypeVar("LineOf", bound="CommandLine")
+MAX_ELEMENTS = 10**6
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandLine(Fields):
+    """What a command line says besides its request: changes of the case, units and form of the answer."""
+
+    settings: tuple[str, ...] = option(
+        lambda given, _: tuple(given),
+        "Change a value of the case, written as in its file: 'spring.wire_diameter=4.1 mm'. Nothing after '=' removes it. Repeatable.",
+        "--set",
+        "KEY.PATH=VALUE",
+        default=(),
+        repeatable=True,
+    )
+    elements_per_coil: int | None = option(
+        count(1, MAX_ELEMENTS), "Finite elements per coil.", "--elements-per-coil", "N"
+    )
+    units: str = option(
+        read_text,
+        "Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi). Files and --json stay SI.",
+        "--units",
+        "SYSTEM",
+        default="si",
+    )
+    json: bool = option(
+        read_switch,
+        "Print one JSON object on standard output and nothing else there.",
+        "--json",
+        default=False,
+    )
+    quiet: bool = option(
+        read_switch,
+        "Print errors only; the exit code says how it ended.",
+        "--quiet",
+        default=False,
+    )
+
+    def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
+        """The request of a case that was typed, and the folder of its file."""
+        name, sets = given["case"], given.get("spring_sets") or ()
+        name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
+        case = choose_case(name, self.settings, self.elements_per_coil)
+        return model.read({**given, "case": case}, flags=True), folder_of(name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SavedLine(CommandLine):
+    """The command line of a request whose result is saved in a folder."""
+
+    output: Path | None = option(
+        lambda given, _: read_folder(given),
+        "Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
+        "--output",
+        "FOLDER",
+    )
+    open_page: bool = option(
+        read_switch, "Open the report page in a browser.", "--open", default=False
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class DaskLine(SavedLine):
+    """The command line of a request that a cluster can compute."""
+
+    dask: str = option(
+        read_text,
+        "Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
+        "--dask",
+        "CLUSTER",
+        default="",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyLine(SavedLine):
+    """The command line of a study, with its page and figures."""
+
+    report: bool = option(
+        read_switch, "Write the report page.", "--report/--no-report", default=True
+    )
+    figures: str = option(
+        one_of(*FIGURE_FORMATS),
+        "Write every figure as a file of this format too.",
+        "--figures",
+        "|".join(FIGURE_FORMATS),
+        default="",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionLine(StudyLine, DaskLine):
+    """The command line of a study in motion."""
+
+    published: bool = option(
+        read_switch,
+        "Print every published value next to the computed one, and findings.",
+        "--published",
+        default=False,
+    )
+
+
+def add_command(
+    app: typer.Typer,
+    model: type[RequestOf],
+    line: type[LineOf],
+    execute: Callable[[RequestOf, LineOf, Path], None],
+    **always: Any,
+) -> None:
+    """Add the command of a request. ``execute`` takes the request, the command line and the folder of the case file.
+
+    ``always``: fields that the command sets itself, which are then no options.
+    """
+    options = {**options_of(model), **options_of(line)}
+    options = {name: one for name, one in options.items() if name not in always}
+
+    def command(**given: Any) -> None:
+        typed = line.read({name: given.pop(name) for name in options_of(line)}, flags=True)
+        take_units(typed.units)
+        request, folder = typed.request(model, {**given, **always})
+        take_folder(getattr(typed, "output", None))
+        if isinstance(request, (MotionRequest, Refine)):
+            workers = read_workers(request.workers, getattr(typed, "dask", ""))
+            request = replace(request, workers=workers)
+        execute(request, typed, folder)
+
+    parameters = [_parameter(name, one) for name, one in options.items() if one.flag or one.metavar]
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__doc__ = execute.__doc__
+    app.command(model.command)(command)
+
+
+def _parameter(name: str, asked: Option) -> inspect.Parameter:
+    """The parameter of typer for an option; its text is read later."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    if not asked.flag:
+        info: Any = typer.Argument(
+            metavar=asked.metavar, help=asked.meaning, autocompletion=matching_cases
+        )
+        return inspect.Parameter(name, keyword, annotation=Annotated[str, info])
+    info = typer.Option(
+        asked.flag,
+        metavar=asked.metavar or None,
+        help=asked.meaning + (f" (default: {asked.default})" if asked.default else ""),
+        show_default=False,
+        envvar="VALVETRAIN_UNITS" if name == "units" else None,
+        show_envvar=False,
+    )
+    if not asked.metavar:
+        default = "/" in asked.flag
+        return inspect.Parameter(name, keyword, annotation=Annotated[bool, info], default=default)
+    kind: Any = list[str] if asked.repeatable else str
+    return inspect.Parameter(name, keyword, annotation=Annotated[kind | None, info], default=None)

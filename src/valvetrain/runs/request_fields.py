@@ -1,0 +1,231 @@
+"""Fields of a request: what each means, and how it reads what is typed on the command line or given in Python.
+
+A field reads text, numbers and objects alike, so a wrong value has one sentence everywhere. The place in that sentence
+is the option on the command line and the argument in Python.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Integral
+from typing import Any, Self
+
+from valvetrain import registry
+from valvetrain.errors import InputError, UnknownNameError
+from valvetrain.runs.cost import Limits, read_limits
+from valvetrain.units import as_names, si, si_each, si_speeds
+from valvetrain.units.text import clipped
+
+#: Reads a given value; its second argument is the place that a refusal names.
+Reader = Callable[[Any, str], Any]
+
+
+@dataclass(frozen=True)
+class Option:
+    """What a field means and how it is read.
+
+    ``flag``: its option on the command line, empty where only Python has it; without a flag but with a ``metavar`` it is
+    an argument there. ``metavar``: what follows the option, empty for a switch. ``default``: its default as text.
+    """
+
+    read: Reader
+    meaning: str
+    flag: str = ""
+    metavar: str = ""
+    repeatable: bool = False
+    default: str = ""
+
+
+def option(
+    read: Reader,
+    meaning: str,
+    flag: str = "",
+    metavar: str = "",
+    *,
+    default: Any = None,
+    repeatable: bool = False,
+) -> Any:
+    """A field of a request. A ``default`` that is text is read as if it were given."""
+    text = default if isinstance(default, str) else ""
+    value = read(default, flag) if text else default
+    data = Option(read, meaning, flag, metavar, repeatable, text)
+    return dataclasses.field(default=value, metadata={"option": data})
+
+
+def options_of(model: type[Any]) -> dict[str, Option]:
+    """Name of each field -> its option, those of the class itself before those that it inherits."""
+    fields = {one.name: one for one in dataclasses.fields(model) if "option" in one.metadata}
+    order = [name for parent in model.__mro__ for name in vars(parent).get("__annotations__", ())]
+    return {name: fields[name].metadata["option"] for name in order if name in fields}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fields:
+    """A frozen model whose fields are made by :func:`option`. Its constructor takes values in SI.
+
+    ``typed``: the texts that its fields were read from.
+    """
+
+    typed: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False, repr=False)
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any], flags: bool = False) -> Self:
+        """The model from what was typed or given, by name of the field; None stands for the default.
+
+        ``flags``: refusals name the option and not the argument. Raises :class:`InputError` for a value that a field
+        cannot read, and :class:`UnknownNameError` for a name that is no field.
+        """
+        options = options_of(cls)
+        values = {}
+        for name, value in given.items():
+            if name not in options:
+                raise UnknownNameError(name, options, f"argument of {cls.__name__.lower()}")
+            if value is not None:
+                place = options[name].flag if flags else name
+                values[name] = options[name].read(value, place)
+        typed = {name: value for name, value in given.items() if isinstance(value, str)}
+        return cls(**values, typed=typed)
+
+
+def read_case(given: Any, where: str) -> Any:
+    """A case, by name of the library, path or object."""
+    from valvetrain.parameters.loading import case_of
+
+    return case_of(given)
+
+
+def read_text(given: Any, where: str) -> str:
+    """Text as it is."""
+    return str(given)
+
+
+def read_speeds(given: Any, where: str) -> tuple[float, ...]:
+    """Crank speeds (rad/s), as :func:`valvetrain.units.si_speeds` reads them; a model in their place is refused by its name."""
+    texts = (given,) if isinstance(given, str) else given if isinstance(given, Sequence) else ()
+    words = ",".join(one for one in texts if isinstance(one, str)).replace(" ", "").split(",")
+    models = set(words) & set(registry.names("springs"))
+    if models:
+        raise InputError(
+            f"'{min(models)}' is a spring model, and engine speeds come first: (case, engine_speeds, models), such as "
+            "compare('job-t', '3000 rpm', ['massless', 'multi-mass'])",
+            where,
+        )
+    return si_speeds(given, "engine_speed", where)
+
+
+def read_speed(given: Any, where: str) -> float:
+    """One crank speed (rad/s) above zero."""
+    speeds = read_speeds(given, where)
+    if len(speeds) != 1:
+        raise InputError("one speed is needed here; write such as '6000 rpm'", where)
+    return speeds[0]
+
+
+def read_names(given: Any, where: str) -> tuple[str, ...]:
+    """Names, each once; a text may list several with commas."""
+    parts = (part.strip() for text in as_names(given) for part in text.split(","))
+    return tuple(dict.fromkeys(filter(None, parts)))
+
+
+def read_models(given: Any, where: str) -> tuple[str, ...]:
+    """Names of spring models, given by name, class, instance or function."""
+    parts = given if isinstance(given, Sequence) and not isinstance(given, str) else (given,)
+    models: list[str] = []
+    for part in parts:
+        if isinstance(part, str):
+            models += read_names(part, where)
+        else:
+            from valvetrain.springs.own_spring import model_name
+
+            models.append(model_name(part, where))
+    for word in models:
+        if word not in registry.names("springs"):
+            registry.find("springs", word, where)
+    return tuple(dict.fromkeys(models))
+
+
+def choice(*names: str) -> Reader:
+    """Reads one or several of ``names``."""
+
+    def read(given: Any, where: str) -> tuple[str, ...]:
+        chosen = read_names(given, where)
+        for name in chosen:
+            if name not in names:
+                raise InputError(f"'{name[:40]}' is not available; use {', '.join(names)}", where)
+        return chosen
+
+    return read
+
+
+def one_of(*names: str) -> Reader:
+    """Reads one of ``names``."""
+    read_chosen = choice(*names)
+
+    def read(given: Any, where: str) -> str:
+        return "".join(read_chosen(given, where)[:1])
+
+    return read
+
+
+def quantity(name: str, above_zero: bool = True) -> Reader:
+    """Reads an amount of the quantity or dimension ``name`` (SI): above zero, or zero and more."""
+
+    def read(given: Any, where: str) -> float:
+        value = si(given, name, where)
+        if above_zero and not value > 0:
+            raise InputError(f"'{clipped(str(given))}' is not positive; give one above zero", where)
+        if value < 0:
+            raise InputError(f"'{clipped(str(given))}' is negative; give zero or more", where)
+        return value
+
+    return read
+
+
+def quantities(name: str) -> Reader:
+    """Reads amounts of the quantity or dimension ``name`` (SI), each text one or several: ``'200, 400 N'``."""
+
+    def read(given: Any, where: str) -> tuple[float, ...]:
+        parts = given if isinstance(given, (list, tuple)) else (given,)
+        return tuple(value for part in parts for value in si_each(part, name, where))
+
+    return read
+
+
+def count(low: int, high: int) -> Reader:
+    """Reads a whole number from ``low`` to ``high``."""
+
+    def read(given: Any, where: str) -> int:
+        text = given.strip() if isinstance(given, str) else ""
+        if text.lstrip("+-").isdecimal() and len(text) <= 20:
+            given = int(text)
+        if not isinstance(given, Integral) or isinstance(given, bool):
+            raise InputError(f"a whole number is needed; it is {str(given)[:40]}", where)
+        number = int(given)
+        if not low <= number <= high:
+            raise InputError(f"{number} is outside {low} to {high}; choose a number between", where)
+        return number
+
+    return read
+
+
+def read_switch(given: Any, where: str) -> bool:
+    """True or False."""
+    if not isinstance(given, bool):
+        raise InputError(
+            f"{clipped(repr(given))} is neither True nor False; give one of them", where
+        )
+    return given
+
+
+def read_limit(given: Any, where: str) -> Limits:
+    """The largest time and memory, from ``"2 h, 8 GB"``."""
+    if isinstance(given, Limits):
+        return given
+    texts = [given] if isinstance(given, str) else given
+    if not isinstance(texts, (list, tuple)) or not all(isinstance(one, str) for one in texts):
+        raise InputError(
+            f"'{str(given)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'", where
+        )
+    return read_limits(tuple(filter(None, texts)), where)

@@ -1,0 +1,443 @@
+"""What may be requested of a case: one frozen model per command.
+
+The fields of a model are the options on the command line, the arguments in Python and what is stored of the request.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from valvetrain.errors import InputError
+from valvetrain.runs.cost import Cost, Limits
+from valvetrain.runs.request_fields import (
+    Fields,
+    choice,
+    count,
+    option,
+    options_of,
+    quantities,
+    quantity,
+    read_case,
+    read_limit,
+    read_models,
+    read_names,
+    read_speed,
+    read_speeds,
+    read_switch,
+)
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case
+    from valvetrain.runs.critical_speeds import CriticalOptions
+    from valvetrain.runs.outputs import RequestedOutputs
+    from valvetrain.solution.result import Solution
+
+RPM = math.pi / 30
+#: Most runs at a time; largest count of steps or modes, since what a smaller one costs decides whether it is too large.
+MAX_WORKERS, MAX_COUNTED = 256, 10**9
+
+
+def speeds_option() -> Any:
+    """The option of engine speeds."""
+    return option(
+        read_speeds,
+        "Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
+        "--rpm",
+        "SPEEDS",
+    )
+
+
+def workers_option() -> Any:
+    """The option of runs at a time."""
+    return option(
+        count(1, MAX_WORKERS),
+        "Runs at a time (default: the cores there are, at most 4).",
+        "--workers",
+        "N",
+    )
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who watches what a request computes.
+
+    ``progress``: called with the share done and a text; ``finished``: called with index and solution of each run as it
+    arrives; ``created_at``: time (ISO) that the results bear.
+    """
+
+    progress: Callable[[float, str], None] | None = None
+    finished: Callable[[int, Solution], None] | None = None
+    created_at: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request(Fields):
+    """What every request has: its case, what it may cost, and whether implausible values pass."""
+
+    command: ClassVar[str]
+
+    case: Case = option(
+        read_case,
+        "Name of a library case (see 'valvetrain cases') or path of a case file.",
+        metavar="CASE",
+    )
+    limit: Limits = option(
+        read_limit,
+        "Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",
+        "--limit",
+        "BOUND",
+        default=Limits(),
+        repeatable=True,
+    )
+    implausible: bool = option(
+        read_switch,
+        "Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them.",
+        "--implausible",
+        default=False,
+    )
+
+    def stored(self) -> dict[str, Any]:
+        """What is stored of the request beside its case: each field as it was typed, else its value."""
+        stored: dict[str, Any] = {"command": self.command}
+        for name, asked in options_of(type(self)).items():
+            if asked.flag and name not in ("workers", "limit"):
+                value = self.typed.get(name) or asked.default or getattr(self, name)
+                stored[name] = list(value) if isinstance(value, tuple) else value
+        return stored
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringRequest(Request):
+    """A request of chosen spring models and spring sets."""
+
+    models: tuple[str, ...] = option(
+        read_models,
+        "Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
+        "--model",
+        "MODELS",
+        default=(),
+        repeatable=True,
+    )
+    spring_sets: tuple[str, ...] = option(
+        read_names,
+        "Spring sets of a train, such as stock,performance; repeatable.",
+        "--spring-set",
+        "SETS",
+        default=(),
+        repeatable=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionRequest(SpringRequest):
+    """A request of runs in motion, several at a time."""
+
+    workers: int | None = workers_option()
+
+    @property
+    def worker_count(self) -> int:
+        """Runs at a time: those requested, else what this machine or the cluster in use takes."""
+        from valvetrain.runs.workers import worker_count
+
+        return worker_count(self.workers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRequest(MotionRequest):
+    """A request of runs at engine speeds. Without a speed those of the case are taken."""
+
+    engine_speeds: tuple[float, ...] | None = speeds_option()
+    compute: tuple[str, ...] = option(choice("error_bars"), "What else is computed.", default=())
+    outputs: tuple[str, ...] = option(
+        read_names, "Quantities and channels that alone are computed.", default=()
+    )
+    whole: bool = option(read_switch, "Store the channels of every solution.", default=True)
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` for speeds of a case that has no motion."""
+        if self.engine_speeds and self.case.lift_law is None:
+            raise InputError(
+                f"case '{self.case.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table"
+            )
+
+    @cached_property
+    def requested(self) -> RequestedOutputs | None:
+        """The outputs that alone are computed; None for all."""
+        if not self.outputs:
+            return None
+        from valvetrain.runs.outputs import RequestedOutputs
+
+        return RequestedOutputs.of(self.outputs, self.case.train is not None)
+
+    @property
+    def stores_channels(self) -> bool:
+        """Whether solutions hold their channels."""
+        return self.whole or (self.requested is not None and bool(self.requested.channels))
+
+    @property
+    def critical_options(self) -> CriticalOptions | None:
+        """How critical speeds are searched; None where they are not."""
+        return None
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.request_cost import RunRequest, request_cost
+
+        parts = self.models, self.spring_sets, self.worker_count
+        costs = RunRequest(self.command, self.case, self.engine_speeds, *parts)
+        return request_cost(costs, self.stores_channels, self.critical_options is not None)
+
+    def with_speeds(self) -> Self:
+        """The request with the engine speeds that the command takes where none is given."""
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(SpeedRequest):
+    """A case at its engine speeds, or at given ones."""
+
+    command = "run"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compare(SpeedRequest):
+    """A case by several spring models side by side."""
+
+    command = "compare"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(SpeedRequest):
+    """A case over engine speed, with the critical speeds of a train."""
+
+    command = "sweep"
+    #: Step (rpm) between engine speeds where none is given.
+    step: ClassVar[int] = 100
+
+    critical_speeds: bool = option(
+        read_switch,
+        "Search where a train loses contact, floats and bounces.",
+        "--critical-speeds/--no-critical-speeds",
+        default=True,
+    )
+    resolution: float = option(
+        quantity("engine_speed"),
+        "A fifth of the distance of the speeds at which critical speeds are looked for.",
+        "--resolution",
+        "SPEED",
+        default="10 rpm",
+    )
+    float_lift: float = option(
+        quantity("length"),
+        "Lift above the rigid lift beyond which a valve floats.",
+        "--float-lift",
+        "LIFT",
+        default="0.05 mm",
+    )
+    bounce_height: float = option(
+        quantity("length"),
+        "Height beyond which a bounce counts.",
+        "--bounce-height",
+        "LIFT",
+        default="0.1 mm",
+    )
+    ranges: bool = option(
+        read_switch,
+        "Repeat each critical speed with finer numerics and other damping.",
+        "--ranges/--no-ranges",
+        default=True,
+    )
+    whole: bool = option(read_switch, "Store the channels of every solution.", default=False)
+
+    @property
+    def critical_options(self) -> CriticalOptions | None:
+        """How critical speeds are searched; None where none is requested."""
+        if not self.critical_speeds or (self.requested and not self.requested.searches):
+            return None
+        from valvetrain.runs.critical_speeds import CriticalOptions
+
+        return CriticalOptions(self.resolution, self.float_lift, self.bounce_height, self.ranges)
+
+    def with_speeds(self) -> Self:
+        """The request with speeds to 1.2 times the red line where none is given."""
+        if self.engine_speeds is not None:
+            return self
+        return replace(self, engine_speeds=sweep_speeds(self.case, self.step))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareSprings(Sweep):
+    """Two springs side by side in one engine over its speed."""
+
+    command = "compare-springs"
+    step = 500
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunUp(MotionRequest):
+    """A train from one engine speed to another at constant acceleration."""
+
+    command = "run-up"
+
+    first_engine_speed: float = option(
+        read_speed,
+        "Engine speed at the start, in steady motion.",
+        "--from",
+        "SPEED",
+        default="1000 rpm",
+    )
+    last_engine_speed: float = option(
+        read_speed,
+        "Engine speed at the end; a lower one is a run-down.",
+        "--to",
+        "SPEED",
+        default="6000 rpm",
+    )
+    duration: float = option(
+        quantity("time"), "Duration of the run-up.", "--duration", "TIME", default="2 s"
+    )
+
+    @property
+    def ramp(self) -> tuple[float, float, float]:
+        """First and last engine speed (rad/s) and the time between them (s)."""
+        return self.first_engine_speed, self.last_engine_speed, self.duration
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.request_cost import RunRequest, run_up_cost
+
+        parts = self.models, self.spring_sets, self.worker_count
+        return run_up_cost(RunRequest(self.command, self.case, None, *parts), self.ramp)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Static(SpringRequest):
+    """Springs at rest: force, stiffness and stress over compression, and at heights and loads."""
+
+    command = "static"
+
+    largest_compression: float | None = option(
+        quantity("compression", above_zero=False),
+        "Largest compression, such as '12 mm' (default: beyond full lift).",
+        "--to",
+        "LENGTH",
+    )
+    steps: int = option(
+        count(2, MAX_COUNTED), "Number of even steps.", "--steps", "N", default="24"
+    )
+    heights: tuple[float, ...] = option(
+        quantities("length"),
+        "Height between the seats to solve too: '32 mm'. Repeatable.",
+        "--height",
+        "LENGTH",
+        default=(),
+        repeatable=True,
+    )
+    loads: tuple[float, ...] = option(
+        quantities("force"),
+        "Load to solve as well: '400 N'. Repeatable.",
+        "--load",
+        "FORCE",
+        default=(),
+        repeatable=True,
+    )
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.request_cost import static_cost
+
+        # a load takes some dozen heights to find
+        heights = self.steps + len(self.heights) + 12 * len(self.loads)
+        return static_cost(self.case, self.models, spring_sets=self.spring_sets, heights=heights)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes(SpringRequest):
+    """Natural frequencies of springs, and of a train with its springs."""
+
+    command = "modes"
+
+    count: int = option(
+        count(1, MAX_COUNTED), "Number of modes, lowest first.", "--count", "N", default="24"
+    )
+    compression: float | None = option(
+        quantity("compression", above_zero=False),
+        "Compression to compute them at: '7 mm' (default: installed).",
+        "--compression",
+        "LENGTH",
+    )
+    attached_mass: float | None = option(
+        quantity("mass", above_zero=False),
+        "Mass that moves with the retainer: '50 g' (default: both ends fixed).",
+        "--attached-mass",
+        "MASS",
+    )
+    free_end: bool = option(
+        read_switch,
+        "The retainer end is free to move along the axis, without a mass.",
+        "--free-end",
+        default=False,
+    )
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` for a free end with a mass."""
+        if self.free_end and self.attached_mass is not None:
+            raise InputError(
+                "a free end has no mass attached; give --free-end or --attached-mass", "free_end"
+            )
+
+    @property
+    def end_mass(self) -> float | None:
+        """Mass (kg) that moves with the retainer, 0 for a free end; None for both ends fixed."""
+        return 0.0 if self.free_end else self.attached_mass
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.request_cost import static_cost
+        from valvetrain.runs.statics import CURVE_OF_MODES
+
+        sizes = {"heights": CURVE_OF_MODES, "modes": self.count}
+        return static_cost(self.case, self.models, spring_sets=self.spring_sets, **sizes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refine(Request):
+    """Error bars of the headline numbers of a case."""
+
+    command = "refine"
+
+    engine_speeds: tuple[float, ...] | None = speeds_option()
+    workers: int | None = workers_option()
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.request_cost import refine_cost
+        from valvetrain.runs.workers import worker_count
+
+        return refine_cost(self.case, self.engine_speeds, worker_count(self.workers))
+
+
+def sweep_speeds(case: Case, step: int = 100) -> tuple[float, ...]:
+    """Crank speeds (rad/s) of a sweep that names none: from 1000 rpm to 1.2 times the red line, else the highest speed of
+    the case, else to 9000 rpm.
+
+    Parameters
+    ----------
+    case : the case that is swept
+    step : between two speeds (rpm); larger by a whole factor where more than a hundred speeds would follow
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> speeds = sweep_speeds(vt.parameters.loading.load_case("tdi-pushrod"))
+    >>> round(speeds[-1] * 30 / math.pi)
+    4800
+    """
+    top = 1.2 * case.operation.top_speed / RPM or 9000
+    step *= math.ceil(top / (100 * step))
+    last = max(step * math.ceil(top / step - 1e-9), 1000)
+    return tuple(speed * RPM for speed in range(1000, last + 1, step))
