@@ -10,6 +10,7 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate, sweep
+from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.workers import available_cores, map_cases, map_points
 
 RPM = math.pi / 30
@@ -114,3 +115,20 @@ def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
     assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
     _, velocity = found.series(found.labels[0], "seating_velocity")
     assert np.isfinite(velocity[0]) and np.isnan(velocity[1])
+
+
+def test_a_sweep_stopped_between_its_speeds_keeps_them_and_shows_its_progress(monkeypatch):
+    def stop(*given):
+        raise PointsStopped({})
+
+    monkeypatch.setattr("valvetrain.runs.run.run_between", stop)
+    shares: list[float] = []
+    with pytest.raises(StudyStopped) as stopped:
+        sweep(
+            "tdi-pushrod", "2000, 3000 rpm", "massless", spring_sets="stock", workers=1,
+            compute="error_bars", progress=lambda share, text: shares.append(share),
+        )  # fmt: skip
+    assert [run.status.code for run in stopped.value.study.solutions] == ["completed"] * 2
+    assert (
+        shares == sorted(shares) and 0.2 < shares[-1] < 0.3
+    )  # the search and the error bars follow

@@ -102,14 +102,32 @@ def _cell_bar(title: str) -> Iterator[Report]:
 def _terminal_bar(title: str, animated: bool = True) -> Iterator[Report]:
     """A bar with the time left on standard error."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        ProgressColumn,
+        SpinnerColumn,
+        Task,
+        TaskProgressColumn,
+        TextColumn,
+    )
+    from rich.text import Text
 
-    label, left = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[left]}")
-    columns = SpinnerColumn(), label, BarColumn(24), TaskProgressColumn(), left
+    begun = time.monotonic()
+
+    class TimeLeft(ProgressColumn):
+        """The time left as it was last estimated; nothing once that time is over."""
+
+        def render(self, task: Task) -> Text:
+            at, done = task.fields["reported"]
+            waited = time.monotonic() - begun - at
+            return Text(time_left(at, done, waited))
+
+    label = TextColumn("{task.description}", markup=False)
+    columns = SpinnerColumn(), label, BarColumn(24), TaskProgressColumn(), TimeLeft()
     console = Console(stderr=True)
     bar = Progress(*columns, console=console, transient=True, auto_refresh=animated)
-    task = bar.add_task(title, total=1.0, left="")
-    begun = time.monotonic()
+    task = bar.add_task(title, total=1.0, reported=(0.0, 0.0))
 
     def report(done: float, text: str) -> None:
         bar.update(
@@ -117,20 +135,22 @@ def _terminal_bar(title: str, animated: bool = True) -> Iterator[Report]:
             completed=done,
             refresh=not animated,
             description=f"{title}: {text}" if text else title,
-            left=time_left(time.monotonic() - begun, done),
+            reported=(time.monotonic() - begun, done),
         )
 
     with bar:
         yield report
 
 
-def time_left(elapsed: float, done: float) -> str:
-    """The remaining time as text after ``elapsed`` seconds with the share ``done``; empty while
-    unknown.
+def time_left(elapsed: float, done: float, waited: float = 0.0) -> str:
+    """The remaining time as text, ``waited`` seconds after the share ``done`` was reached in ``elapsed`` seconds; empty while
+    unknown, and where more has passed than was expected.
     """
     if not 0 < done < 1:
         return ""
-    seconds = elapsed * (1 - done) / done
+    seconds = elapsed * (1 - done) / done - waited
+    if seconds < 1:
+        return ""
     return f"about {seconds:.0f} s left" if seconds < 90 else f"about {seconds / 60:.0f} min left"
 
 

@@ -76,8 +76,8 @@ from valvetrain.system.problem import Member, Problem
 SLOW = 125.0
 #: The model whose error bars ship with no case.
 SOLID = "solid"
-#: Share of a sweep's progress for its own speeds; the rest is the search for critical speeds.
-GRID_SHARE = 0.5
+#: Time of the search for critical speeds, and of the further runs for error bars, over that of the runs themselves.
+SEARCH_SHARE, BAR_SHARE = 1.0, 2.25
 
 
 def run_study(request: SpeedRequest, watch: Watch = Watch()) -> Study:
@@ -165,6 +165,8 @@ def run_problem(
         request.implausible,
     )
     count = request.worker_count
+    searches = problem.kind == TRAIN and critical is not None
+    runs_done, search_done, bars_done = _phases(progress, searches, error_bars)
     found, stopped = CriticalSpeeds(), False
     at_rest: AtRest | None = None
     still: dict[str, dict[str, float]] = {}
@@ -172,10 +174,7 @@ def run_problem(
     between: tuple[Solution, ...] = ()
     if problem.kind == TRAIN:
         ready, springs = prepare_trains(problem, speeds, failures)
-        part, tell = progress, None
-        if progress is not None and critical is not None:
-            part, tell = _shares(progress)
-        solutions, stopped = run_trains(problem, ready, speeds, plan, count, part, finished)
+        solutions, stopped = run_trains(problem, ready, speeds, plan, count, runs_done, finished)
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
         for name, values in failures.part("preloads", {}, preloads, ready).items():
             still[name] = {**still.get(name, {}), **values}
@@ -190,11 +189,10 @@ def run_problem(
             one for one in ready if not one.member.driven
         )  # the train of others is that of these
         if critical is not None and not stopped and own:
-            if tell is not None:
-                tell(0, 1)
+            search_done(0, 1)
             runs = (*solutions, *between)
             try:
-                found = find_critical_speeds(problem, own, plan, runs, critical, count, tell)
+                found = find_critical_speeds(problem, own, plan, runs, critical, count, search_done)
             except PointsStopped as stop:
                 rows = tuple(row for rows in stop.results.values() for row in rows)
                 found, stopped = CriticalSpeeds(rows), True
@@ -204,7 +202,7 @@ def run_problem(
             failures.add(_unsearched(problem, found, searched))
     else:
         solutions, at_rest, stopped = _run_springs(
-            problem, speeds, plan, count, progress, finished, rest or error_bars
+            problem, speeds, plan, count, runs_done, finished, rest or error_bars
         )
         springs = ()
     solutions = failures.part("facts of runs", solutions, with_facts, problem, solutions)
@@ -249,13 +247,13 @@ def run_problem(
     barred = tuple(run for run in solutions if (run.label, run.engine_speed) not in stored)
     if not barred or not error_bars:
         return study
-    if progress is not None:
-        progress(0.99, "error bars")
     labels = {run.label for run in barred}
     members = problem.only(lambda member: member.label in labels)
     known = at_rest or _rest_of_trains(ready)
     try:
-        fresh = own_error_bars(replace(problem, members=members), barred, plan, known, count)
+        fresh = own_error_bars(
+            replace(problem, members=members), barred, plan, known, count, bars_done
+        )
     except PointsStopped:
         raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
     return replace(study, error_bars=fresh._replace(rows=(*rows, *fresh.rows)))
@@ -301,13 +299,26 @@ def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
     return _completed(replace(study, rest=tuple(found.values()), still=still), problem, failures)
 
 
-def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
-    """Progress of the speeds of a sweep, and of the search for critical speeds after them."""
+def _phases(
+    progress: Progress | None, searches: bool, error_bars: bool
+) -> tuple[Progress, Callable[[int, int], None], Callable[[int, int], None]]:
+    """Progress of the runs of a request, of the search for critical speeds after them, and of the error bars at the end."""
+    searched = 1.0 + SEARCH_SHARE * searches
+    whole = searched + BAR_SHARE * error_bars
 
-    def tell(count: int, total: int) -> None:
-        progress(GRID_SHARE + (1 - GRID_SHARE) * count / total, "critical speeds")
+    def runs_done(done: float, text: str) -> None:
+        if progress is not None:
+            progress(done / whole, text)
 
-    return lambda done, text: progress(GRID_SHARE * done, text), tell
+    def search_done(count: int, total: int) -> None:
+        if progress is not None:
+            progress((1.0 + SEARCH_SHARE * count / total) / whole, "critical speeds")
+
+    def bars_done(count: int, total: int) -> None:
+        if progress is not None:
+            progress((searched + BAR_SHARE * count / total) / whole, "error bars")
+
+    return runs_done, search_done, bars_done
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:
