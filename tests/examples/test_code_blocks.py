@@ -54,7 +54,7 @@ QUICK = (
     'valvetrain serve --most-running 2 --limit "30 min" --limit "8 GB"',
 )  # fmt: skip
 SLOW = (
-    "valvetrain branches tdi-pushrod --spring-set stock --engine-speed 9400:9600:50",
+    "valvetrain branches tdi-pushrod --spring-set stock --rpm 9400:9600:50",
     "valvetrain run my-train.toml --open",
     "valvetrain sweep my-train.toml --rpm 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "

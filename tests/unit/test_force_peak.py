@@ -17,6 +17,7 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
+from valvetrain.runs.api import simulate
 from valvetrain.runs.differences import result_differences
 from valvetrain.runs.prepared import prepare
 from valvetrain.runs.saved_runs import DEFINITIONS, SavedRun, definitions
