@@ -196,8 +196,8 @@ class Spring:
 
         return static_curve(self.parameters, largest_compression, **options)
 
-    def frequencies(self, model: Any = "", count: int = 12) -> np.ndarray:
-        """Surge frequencies (Hz) as installed, both ends fixed, by a spring ``model``; by default by
+    def frequencies(self, models: Any = "", count: int = 12) -> np.ndarray:
+        """Surge frequencies (Hz) as installed, both ends fixed, by the spring model ``models``; by default by
         finite elements of a wire, of a card by the card.
 
         Those of finite elements that are clearly surge, ascending, ``count`` at most: higher ones
@@ -206,7 +206,7 @@ class Spring:
         from valvetrain.runs.statics import axial_frequencies
         from valvetrain.springs.finite_element import FiniteElementRod
 
-        built = self._built(model)
+        built = self._built(models)
         if isinstance(built, FiniteElementRod):
             return self.modes(max(2 * count, 24)).surge_frequencies[:count]
         return axial_frequencies(built, count)
@@ -247,7 +247,7 @@ class Spring:
 
         if self.parameters.wire is None:
             raise InputError(
-                "modes by finite elements need the wire of a spring; give it, or use frequencies(model)",
+                "modes by finite elements need the wire of a spring; give it, or use frequencies(models)",
                 "modes",
             )
         if not (isinstance(count, (int, np.integer)) and count >= 1):
@@ -258,27 +258,27 @@ class Spring:
         assert isinstance(built, FiniteElementRod)
         return spring_modes(built, int(count))
 
-    def _built(self, model: Any) -> SpringModel:
+    def _built(self, models: Any) -> SpringModel:
         from valvetrain.runs.statics import default_model
         from valvetrain.springs.own_spring import model_name
         from valvetrain.springs.spec import spring_model
 
-        spec = spring_model(model_name(model or default_model(self.parameters), "model"), "model")
+        spec = spring_model(model_name(models or default_model(self.parameters)), "models")
         if reason := spec.why_not(self.parameters):
-            raise InputError(reason, "model")
+            raise InputError(reason, "models")
         return spec.build(self.parameters, None)
 
-    def run(self, engine_speed: Any, lift_law: Lift, model: Any = "", **options: Any) -> Solution:
-        """The spring under a lift of its retainer, by one spring ``model`` (default: as for
+    def run(self, engine_speed: Any, lift_law: Lift, models: Any = "", **options: Any) -> Solution:
+        """The spring under a lift of its retainer, by the spring model ``models`` (default: as for
         :meth:`frequencies`); ``lift_law`` and options as for :class:`valvetrain.Case` and its ``run``.
         """
         from valvetrain.parameters.loading import case_of_tree
         from valvetrain.runs.statics import default_model
 
-        model = model or default_model(self.parameters)
+        models = models or default_model(self.parameters)
         tree = {"spring": self.table, "lift_law": lift_table(lift_law)}
         return one_run(
-            case_of_tree(tree, "spring", where="vt.Spring"), engine_speed, model, **options
+            case_of_tree(tree, "spring", where="vt.Spring"), engine_speed, models, **options
         )
 
     def __eq__(self, other: object) -> bool:
