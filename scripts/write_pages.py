@@ -350,7 +350,7 @@ def write_model_against_test() -> None:
         force = compare_with_test(
             "job-t",
             samples / "spring-force.csv",
-            spring_models=models,
+            models=models,
             sensor=Sensor(bandwidth="8 kHz"),
         )
         head = compare_with_test("gu2021-beehive-blind", samples / "engine-head.csv")

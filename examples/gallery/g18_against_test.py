@@ -22,7 +22,7 @@ test = vt.measured.MeasuredCycles(
 )
 
 found = vt.compare_test.compare_with_test(
-    "job-t", test, spring_models=["multi-mass", "massless"], workers=1
+    "job-t", test, models=["multi-mass", "massless"], workers=1
 )
 for run in found.runs:
     print(f"{run.label}: F = {run.adequacy.ratio:.3g}, {run.adequacy.critical:.3g} allowed")

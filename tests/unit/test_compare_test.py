@@ -39,7 +39,7 @@ def one_run_of_each(monkeypatch):
 
 
 def remembered(case, speeds, **more):
-    key = case.name, case.text, speeds, tuple(more["spring_models"]), more["workers"]
+    key = case.name, case.text, speeds, tuple(more["models"]), more["workers"]
     if key not in RUNS:
         RUNS[key] = vt.simulate(case, speeds, **more)
     return RUNS[key]
@@ -67,7 +67,7 @@ def cycles(count=8, angles=360, bias=0.0, late=0.0, seed=1, size=4.0):
 
 
 def compared(test, **more):
-    return vt.compare_test.compare_with_test("job-t", test, **{"spring_models": CHAIN, **more})
+    return vt.compare_test.compare_with_test("job-t", test, **{"models": CHAIN, **more})
 
 
 def codes(found) -> set[str]:
@@ -104,12 +104,12 @@ def test_a_shift_is_recovered_with_its_interval_and_taken_away():
 
 
 def test_the_numbers_do_not_depend_on_the_samples_of_the_model():
-    found = [compared(cycles(bias=1.0), **more).best for more in ({}, {"spring_models": CHAIN})]
+    found = [compared(cycles(bias=1.0), **more).best for more in ({}, {"models": CHAIN})]
     steps = [
         vt.compare_test.compare_with_test(
             vt.load_case("job-t", {"operation.output_step": step}),
             cycles(bias=1.0),
-            spring_models=CHAIN,
+            models=CHAIN,
         ).best
         for step in ("0.5 deg", "2 deg")
     ]
@@ -142,7 +142,7 @@ def _scaled(line, factor):
 def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_cycles("own.csv", [cycles(bias=5.0)])
-    found = compared("own.csv", spring_models=("multi-mass", "massless"))
+    found = compared("own.csv", models=("multi-mass", "massless"))
     command = typed("compare-test job-t --test own.csv --model multi-mass,massless --output out")
     data = json.loads(invoke(*command, "--json").stdout)
     for told, one in zip(data["runs"], found.runs, strict=True):
@@ -167,7 +167,7 @@ def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
 
 def test_which_model_is_closer_is_students_test_of_the_squares():
     test = cycles(bias=1.0)
-    found = compared(test, spring_models=("massless", "multi-mass"))
+    found = compared(test, models=("massless", "multi-mass"))
     assert [one.label for one in found.runs] == ["multi-mass", "massless"]
     squares = [np.mean((one.curve - test.values) ** 2, axis=1) for one in found.runs]
     due = stats.ttest_rel(*squares)
@@ -175,7 +175,7 @@ def test_which_model_is_closer_is_students_test_of_the_squares():
     assert (row.student, row.p_value) == pytest.approx((due.statistic, due.pvalue), rel=1e-6)
     (told,) = AgainstTestAnswer(found).findings.by("T220")
     assert told.fields["near"] == "multi-mass" and row.p_value < 0.05
-    same = compared(cycles(count=4, size=60.0), spring_models=("massless", "multi-mass"))
+    same = compared(cycles(count=4, size=60.0), models=("massless", "multi-mass"))
     (other,) = AgainstTestAnswer(same).findings.by("T220")
     assert same.closer[0].p_value > 0.05 and other.fields["sure"] != told.fields["sure"]
     assert "T220" not in codes(compared(test))
@@ -463,12 +463,12 @@ def test_a_model_without_the_curve_is_left_out_and_said():
         moved + 1e-5 * np.outer([1.0, -1.0, 0.5, -0.5], np.cos(angle)),
         50 * np.pi,
     )
-    found = compared(test, spring_models=("massless", "multi-mass"))
+    found = compared(test, models=("massless", "multi-mass"))
     assert [one.label for one in found.runs] == ["multi-mass"] and found.best.adequacy.adequate
     (left_out,) = AgainstTestAnswer(found).findings.by("T212")
     assert left_out.fields["names"] == "massless" and "T212" not in codes(compared(test))
     with pytest.raises(InputError, match="the massless run has no curve"):
-        compared(test, spring_models=("massless",))
+        compared(test, models=("massless",))
 
 
 def test_a_table_is_read_in_the_units_it_says(tmp_path):

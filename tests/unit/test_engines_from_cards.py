@@ -56,7 +56,7 @@ def test_a_spring_of_a_pair_whose_coil_bind_is_not_known_is_named():
 def test_every_train_has_its_modes_valve_closed_and_open(kind, cards):
     """The bucket by cards came to no rest: its tappet falls through the lash."""
     case = vt.Case(template_text(kind, cards=cards), name=kind)
-    found = vt.runs.train_modes(case, spring_models=["massless"])
+    found = vt.runs.train_modes(case, models=["massless"])
     assert [one.state for one in found] == ["closed", "full_lift"]
     assert "seat" in found[0].closed and "seat" in found[1].open
 

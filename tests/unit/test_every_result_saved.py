@@ -109,9 +109,9 @@ def scanned():
 RESULTS = {
     "static curve": lambda: JOB.static(steps=8),
     "spring at rest": lambda: vt.simulate(JOB.parameters, "2000 rpm", models="massless").rest,
-    "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_set=["stock"]),
+    "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"]),
     "table": table, "optimum": optimum, "identified": identified, "fit to a card": fitted, "smoothed lift": smoothed,
-    "model against test": lambda: vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
+    "model against test": lambda: vt.compare_test.compare_with_test("job-t", LEVEL, models=["massless"]),
     "measured cycles": lambda: LEVEL, "film": turning_motion, "recording": recorded, "scan": scanned,
     "alignment": lambda: LiftAlignment(*np.arange(len(LiftAlignment.__dataclass_fields__)) * 0.1),
     "several": lambda: {"a": [1, 2.5, (None, np.nan)], ("b", 3): np.array([[1 + 2j], [np.inf]])},
@@ -185,7 +185,7 @@ def test_a_study_of_functions_is_saved_without_the_function(tmp_path):
 def test_every_result_with_a_page_writes_it(tmp_path):
     for name, made in {
         "table": table(), "optimum": optimum(),
-        "identified": identified(), "test": vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
+        "identified": identified(), "test": vt.compare_test.compare_with_test("job-t", LEVEL, models=["massless"]),
     }.items():  # fmt: skip
         files = made.report(tmp_path / name)
         assert files.page == tmp_path / name / "report.html" and files.page.is_file() and files.data

@@ -26,7 +26,7 @@ TO = {"largest_compression": 18e-3}
 
 
 def lift(height: str) -> tuple:
-    return "job-c", {"lift_law.maximum_lift": height}, {"spring_models": ["modal-uniform"]}
+    return "job-c", {"lift_law.maximum_lift": height}, {"models": ["modal-uniform"]}
 
 
 #: Name -> case, changes, options of a static study.
@@ -36,13 +36,13 @@ STUDIES = {
     "far": lift("10 mm"),
     "near": lift("13.5 mm"),
     "modes-wire": ("uniform-spring", {}, MODES),
-    "alone": ("uniform-spring", {}, {"spring_models": ["modal-uniform"]}),
-    "stated": ("uniform-spring", {"spring.solid_height": "21 mm"}, {"spring_models": ["modal-uniform"]}),
+    "alone": ("uniform-spring", {}, {"models": ["modal-uniform"]}),
+    "stated": ("uniform-spring", {"spring.solid_height": "21 mm"}, {"models": ["modal-uniform"]}),
     "slender": (SLENDER, {}, TO),
     "guided": (GUIDED, {}, TO),
     "modes": ("job-c", {}, MODES),
     "modes-pair": (LS, {}, MODES),
-    "modes-none": ("uniform-spring", {}, {**MODES, "spring_models": ["massless"]}),
+    "modes-none": ("uniform-spring", {}, {**MODES, "models": ["massless"]}),
     "modes-free": ("uniform-spring", {}, {**MODES, "attached_mass": 0.05}),
     "modes-bent": (SLENDER, {}, {**MODES, "compression": 16.5e-3}),
     "modes-train": (TEMPLATE, {"train.spring_set": "card"}, MODES),
@@ -54,7 +54,7 @@ def study(name: str) -> Study:
     case, changes, options = STUDIES[name]
     text = case.startswith("\n")
     chosen = parse_case(case, name) if text else load_case(case, changes)
-    found = static_study(chosen, steps=12, **{"spring_models": (), **options})
+    found = static_study(chosen, steps=12, **{"models": (), **options})
     if name != "modes-train":
         return found
     lowest = (one.lowest(10) for one in train_modes(chosen))

@@ -159,9 +159,7 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
     spreads = []
     for noise in (2e-6, 8e-6):
         drawn = case.replace(lift_law=law.replace(noise=noise))
-        found = lift_band_study(
-            drawn, "6000 rpm", draws=6, spring_models=["modal-uniform"], workers=1
-        )
+        found = lift_band_study(drawn, "6000 rpm", draws=6, models=["modal-uniform"], workers=1)
         spreads.append(found.spread("peak_spring_force"))
         assert found.failures == () and spreads[-1].draws == 6
     assert 0 < spreads[0].spread < spreads[1].spread < 0.2 * spreads[1].value
@@ -171,7 +169,7 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
 
 def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     case = vt.load_case("job-t").replace(lift_law=vt.load_case(str(own_case(tmp_path))).lift_law)
-    words = {"draws": 4, "spring_models": ["massless"]}
+    words = {"draws": 4, "models": ["massless"]}
     found = [lift_band_study(case, "5000 rpm", workers=n, **words).spreads for n in (1, 2)]
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
 

@@ -47,7 +47,7 @@ def test_the_overlap_is_the_squared_cosine_of_the_angle_that_shapes_turn():
 def test_the_mode_of_a_train_goes_past_surge_as_the_seat_opens():
     """The lists were sorted by frequency alone; surge modes keep theirs within 3 %, the third, next to
     the mode of the train, within 5 % above: two modes that meet push each other apart."""
-    closed, lifted = train_modes(load_case(str(TEMPLATES / "pushrod.toml")), spring_set="card")
+    closed, lifted = train_modes(load_case(str(TEMPLATES / "pushrod.toml")), spring_sets="card")
     assert not closed.closed_mode and sorted(lifted.closed_mode) == list(range(len(lifted.closed_mode)))  # fmt: skip
     assert lifted.closed_mode[:9] == (0, 1, 7, 2, 3, 4, 5, 6, 8)
     assert lifted.overlap[2] == min(lifted.overlap[:9]) < 0.5 and lifted.overlap[0] > 0.99

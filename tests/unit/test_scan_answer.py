@@ -52,7 +52,7 @@ def scan(name: str) -> vt.scan.ScannedSpring:
 @cache
 def compared(wire: str) -> vt.scan.ScanComparison:
     design = changed_case(JOB, {"spring.wire_diameter": wire})
-    return vt.scan.compare_scan(scan("all"), design, "2000 rpm", spring_models=["massless"])
+    return vt.scan.compare_scan(scan("all"), design, "2000 rpm", models=["massless"])
 
 
 def failed() -> vt.scan.ScanComparison:

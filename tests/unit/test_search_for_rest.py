@@ -80,7 +80,5 @@ def test_a_train_that_comes_to_no_rest_has_no_modes():
     """Its modes were those of a place where 418 N pushed it on, told without a word."""
     key = "train.contacts.cam.contact_stiffness"
     with pytest.raises(vt.InputError, match=r"comes to no rest .* are left"):
-        vt.runs.train_modes(vt.load_case("vaz-ohc", {key: "1e9 N/mm"}), spring_models=["massless"])
-    assert vt.runs.train_modes(
-        vt.load_case("vaz-ohc", {key: "1e7 N/mm"}), spring_models=["massless"]
-    )
+        vt.runs.train_modes(vt.load_case("vaz-ohc", {key: "1e9 N/mm"}), models=["massless"])
+    assert vt.runs.train_modes(vt.load_case("vaz-ohc", {key: "1e7 N/mm"}), models=["massless"])

@@ -71,7 +71,7 @@ def modes(request: Modes, line: StudyLine, folder: Path) -> None:
         )
         if case.train is None or request.compression is not None:
             return study
-        lowest = (one.lowest(request.count) for one in train_modes(case, models, spring_set=sets))
+        lowest = (one.lowest(request.count) for one in train_modes(case, models, spring_sets=sets))
         return replace(study, train_modes=tuple(lowest))
 
     _announce(request)

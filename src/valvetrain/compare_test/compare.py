@@ -64,7 +64,7 @@ class ModelAgainstTest(Reported):
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
-    >>> found = vt.compare_test.compare_with_test("job-t", level, spring_models=["massless"])
+    >>> found = vt.compare_test.compare_with_test("job-t", level, models=["massless"])
     >>> found.best.without
     'one cycle shows no scatter, so there is no F-test; give two or more repeats'
     """
@@ -107,8 +107,8 @@ def compare_with_test(
     quantity: str = "",
     channel: int = 0,
     engine_speed: Given | None = None,
-    spring_models: Sequence[str] | str = (),
-    spring_set: Sequence[str] | str = (),
+    models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     sensor: Sensor | None = None,
     fitted: int = 0,
     shared: str | Sequence[str] = (),
@@ -130,9 +130,9 @@ def compare_with_test(
         that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
         quantity
-    spring_models : a name of a spring model, or several, compared side by side; the case's own by
+    models : a name of a spring model, or several, compared side by side; the case's own by
         default
-    spring_set : name of a spring set of a train, or several
+    spring_sets : name of a spring set of a train, or several
     sensor : gauge of the test, through which the model is seen before it is compared
     fitted : parameters of the model that were found from this test
     shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
@@ -157,7 +157,7 @@ def compare_with_test(
     >>> last = np.interp(angle + forces.cam_angle[0], forces.cam_angle, forces.channel("seat_force"))
     >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
-    >>> vt.compare_test.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
+    >>> vt.compare_test.compare_with_test("job-t", cycles, models=["multi-mass"]).best.adequacy.adequate
     True
     """
     chosen = case_of(case)
@@ -167,14 +167,14 @@ def compare_with_test(
     study = simulate(
         chosen,
         tuple(f"{speed!r} rad/s" for speed in speeds),
-        models=spring_models,
-        spring_sets=spring_set,
+        models=models,
+        spring_sets=spring_sets,
         workers=workers,
         progress=progress,
         limit=limit,
         implausible=implausible,
     )
-    problem = build(chosen, spring_models=spring_models, spring_set=spring_set)
+    problem = build(chosen, spring_models=models, spring_set=spring_sets)
     return judge_study(study, request, active_wire(problem))
 
 

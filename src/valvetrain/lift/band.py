@@ -85,8 +85,8 @@ def lift_band_study(
     *,
     draws: int = DRAWS,
     search: Speeds | None = None,
-    spring_models: Sequence[str] | str = (),
-    spring_set: Sequence[str] | str = (),
+    models: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -101,7 +101,7 @@ def lift_band_study(
     draws : number of laws drawn, 4 or more
     search : engine speeds between which a train's critical speeds are searched too, such as
         "3000:9000:500 rpm"
-    spring_models, spring_set : as for :func:`valvetrain.simulate`
+    models, spring_sets : as for :func:`valvetrain.simulate`
     workers : draws at a time; results do not depend on it
     progress : called with the share done and what was done
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -123,11 +123,11 @@ def lift_band_study(
     >>> values = {"cam_angles": tuple(angles), "lifts": tuple(stations), "noise": 3e-6, "band": 0.0, "draw": 0}
     >>> case = vt.load_case("job-t")
     >>> case = case.replace(lift_law=type(case.lift_law)("measured", values))
-    >>> found = lift_band_study(case, "2000 rpm", draws=4, spring_models="massless", workers=1)
+    >>> found = lift_band_study(case, "2000 rpm", draws=4, models="massless", workers=1)
     >>> found.spread("peak_spring_force").draws
     4
     """
-    known, models, sets = case_of(case), as_names(spring_models), as_names(spring_set)
+    known, models, sets = case_of(case), as_names(models), as_names(spring_sets)
     if known.lift_law is None or known.lift_law.kind != "measured":
         raise InputError(
             f"the lift of case '{known.name}' is not measured, so it has no band; give it a [lift_law] of kind 'measured'",
@@ -181,7 +181,7 @@ class _Shared:
     case: Case
     engine_speeds: Speeds | None
     search: Speeds | None
-    spring_models: tuple[str, ...]
+    models: tuple[str, ...]
     spring_sets: tuple[str, ...]
 
 
@@ -190,7 +190,7 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     law = shared.case.lift_law
     assert law is not None
     case = shared.case.replace(lift_law=law.replace(draw=draw)) if draw else shared.case
-    models, sets = shared.spring_models, shared.spring_sets
+    models, sets = shared.models, shared.spring_sets
     study = simulate(
         case, shared.engine_speeds, models=models, spring_sets=sets, workers=1, limit=WHOLE
     )

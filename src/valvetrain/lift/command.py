@@ -213,7 +213,7 @@ def lift(
     limits, heights = read_limits(limit), read_amounts(at, "length", "--at")
     options = {
         "engine_speeds": read_engine_speeds(engine_speed), "search": read_engine_speeds(search, "--search"), "draws": draws,
-        "spring_models": read_models(spring), "spring_set": read_names(spring_set), "workers": read_workers(workers),
+        "models": read_models(spring), "spring_sets": read_names(spring_set), "workers": read_workers(workers),
         "limit": ", ".join(limit or ())
     }  # fmt: skip
     is_case = file is not None and file.suffix == ".toml"
@@ -317,7 +317,7 @@ def _carried(
             "--case",
         )
     carried, draws = case_with(case, law), options["draws"]
-    run = (options[key] for key in ("engine_speeds", "spring_models", "spring_set", "workers"))
+    run = (options[key] for key in ("engine_speeds", "models", "spring_sets", "workers"))
     cost = band_cost(RunRequest("run", carried, *run), draws, options["search"])
     refuse_cost(cost, limits, fewer=FEWER_LAWS)
     announce_compilation("train")

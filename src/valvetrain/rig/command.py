@@ -198,7 +198,7 @@ def _recording_answer(
 
 
 def _case_answer(
-    case: Case, speeds: Sequence[float], spring_models: Sequence[str], sensor: Sensor
+    case: Case, speeds: Sequence[float], models: Sequence[str], sensor: Sensor
 ) -> _Saved:
     """True and recorded peaks of the runs of a case."""
     from valvetrain.cli.progress import busy
@@ -206,12 +206,12 @@ def _case_answer(
     from valvetrain.rig.gauge_answer import GaugeAnswer, data_of, sensor_text, write_responses
 
     with busy("running the case for the gauge"):
-        responses = case_response(case, sensor, speeds, spring_models)
+        responses = case_response(case, sensor, speeds, models)
     return _Saved(
         case.name,
         case.text,
         data_of(responses, sensor, case.name),
         lambda folder: GaugeAnswer(case.name, responses, sensor),
         lambda folder: write_responses(responses, folder),
-        {"gauge": sensor_text(sensor), "speeds": str(speeds), "models": ", ".join(spring_models)},
+        {"gauge": sensor_text(sensor), "speeds": str(speeds), "models": ", ".join(models)},
     )

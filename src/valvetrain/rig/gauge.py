@@ -145,7 +145,7 @@ def case_response(
     case: AnyCase,
     sensor: Sensor,
     engine_speeds: Sequence[float] = (),
-    spring_models: Sequence[str] = (),
+    models: Sequence[str] = (),
 ) -> tuple[ChannelResponse, ...]:
     """Every run of a case with traces as fine as the gauge needs, as the gauge records them.
 
@@ -162,7 +162,7 @@ def case_response(
         study = simulate(
             chosen.replace(operation=chosen.operation.replace(output_step=step)),
             f"{speed!r} rad/s",
-            models=spring_models,
+            models=models,
             progress=lambda *_: None,
         )
         channels: list[ChannelResponse] = []

@@ -72,7 +72,7 @@ SAME_COMPRESSION = 1e-12
 
 def static_study(
     case: Case,
-    spring_models: Sequence[str] = (),
+    models: Sequence[str] = (),
     *,
     spring_sets: Sequence[str] = (),
     command: str = "static",
@@ -86,7 +86,7 @@ def static_study(
     progress: Progress | None = None,
     implausible: bool = False,
 ) -> Study:
-    """Static curve and natural frequencies of every spring of a case by each of ``spring_models``
+    """Static curve and natural frequencies of every spring of a case by each of ``models``
     (empty: :func:`default_model`).
 
     ``largest_compression`` (m from the free state): end of the curve, None for a little beyond full
@@ -113,9 +113,9 @@ def static_study(
     for installed in dict.fromkeys((*springs, *problem.springs)):
         spring = installed if compression is None else _compressed(installed, compression)
         end = _curve_end(spring, lift, largest_compression)
-        models = tuple(spring_models) or (default_model(spring),)
+        chosen = tuple(models) or (default_model(spring),)
         rod_result = None
-        for name in models:
+        for name in chosen:
             spec = spring_model(name, "models")
             if reason := spec.why_not(spring):
                 raise InputError(reason, "models")
@@ -146,7 +146,7 @@ def static_study(
                 | _travel(installed, lift, case.train is not None)
             )
             if progress is not None:
-                share = len(found) / (len(problem.springs) * len(models))
+                share = len(found) / (len(problem.springs) * len(chosen))
                 progress(share, f"{spring.name} by {name}")
     record = problem.record
     origin = collect_provenance(

@@ -250,9 +250,9 @@ def preloads(ready: tuple[PreparedRun, ...]) -> dict[str, dict[str, float]]:
 @known_arguments
 def train_modes(
     case: AnyCase,
-    spring_models: Sequence[str] | str = (),
+    models: Sequence[str] | str = (),
     *,
-    spring_set: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
 ) -> tuple[TrainModes, ...]:
     """Undamped natural frequencies and modes of a train with its springs, about equilibrium, valve
     closed and at full lift.
@@ -264,8 +264,8 @@ def train_modes(
     Parameters
     ----------
     case : Case, name of a library case, or path of a case file; it holds a train
-    spring_models : a name of a spring model, such as "multi-mass", or several; the case's own by default
-    spring_set : name of a spring set, or several; the one in use by default
+    models : a name of a spring model, such as "multi-mass", or several; the case's own by default
+    spring_sets : name of a spring set, or several; the one in use by default
 
     Returns
     -------
@@ -279,11 +279,11 @@ def train_modes(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> closed, lifted = vt.runs.train_modes("tdi-pushrod", "massless", spring_set="stock")
+    >>> closed, lifted = vt.runs.train_modes("tdi-pushrod", "massless", spring_sets="stock")
     >>> closed.state, lifted.moving(0)
     ('closed', 'valve 53 %, pushrod 24 %, lever 23 %')
     """
-    problem = build(case, spring_models=spring_models, spring_set=spring_set)
+    problem = build(case, spring_models=models, spring_set=spring_sets)
     return problem_modes(problem.settled())
 
 

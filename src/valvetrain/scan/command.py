@@ -131,7 +131,7 @@ def scan(
                 scanned,
                 case,
                 speeds,
-                spring_models=models or ("finite-element",),
+                models=models or ("finite-element",),
                 workers=count,
                 progress=report,
             )

@@ -109,7 +109,7 @@ def compare_scan(
     design: AnyCase,
     engine_speeds: Speeds | None = None,
     *,
-    spring_models: Sequence[str] = ("finite-element",),
+    models: Sequence[str] = ("finite-element",),
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> ScanComparison:
@@ -127,7 +127,7 @@ def compare_scan(
     design : Case, name or path of a case with one spring known by its wire
     engine_speeds : speeds of the crank, "5600 rpm", rad/s or pint quantities; nothing is run
         without any
-    spring_models : words of the spring models that run
+    models : words of the spring models that run
     workers : runs at a time; results do not depend on it
     progress : called with the share done and what was done
 
@@ -168,7 +168,7 @@ def compare_scan(
     rest = [static_study(part, command="modes", modes=MODES, implausible=True) for part in cases]
     numbers, runs = _at_rest(cases, rest), []
     if engine_speeds is not None:
-        for model in spring_models:
+        for model in models:
             spring_model(model, "models")
         for first, part in ((0.0, case), (0.5, scanned)):
 
@@ -176,7 +176,7 @@ def compare_scan(
                 if progress is not None:
                     progress(first + 0.5 * done, labels)
 
-            runs.append(simulate(part, engine_speeds, models=spring_models, workers=workers, progress=report))  # fmt: skip
+            runs.append(simulate(part, engine_speeds, models=models, workers=workers, progress=report))  # fmt: skip
         numbers += _in_motion(*runs)
     notes = [note for note in upright.notes if not note.startswith(ASSUMED)]
     notes.append(f"material, damping, contacts and inactive turns of the design '{case.name}'")

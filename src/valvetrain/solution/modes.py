@@ -172,7 +172,7 @@ class TrainModes(Saveable):
     is a mode that changes as contacts open.
 
     >>> import valvetrain as vt
-    >>> found = vt.runs.train_modes("tdi-pushrod", "massless", spring_set="stock")[0]
+    >>> found = vt.runs.train_modes("tdi-pushrod", "massless", spring_sets="stock")[0]
     >>> isinstance(found, TrainModes), bool(found.natural_frequency[-1] > 1000)
     (True, True)
     """
