@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import pytest
 
+import valvetrain as vt
 from valvetrain.cli.cases import put_together
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.runs.api import simulate
-from valvetrain.runs.run_up import run_up_study
 
 FINITE = "spring.options.finite-element"
 #: Case, what is changed in it, and a word of the refusal (empty where nothing is wrong).
@@ -123,7 +123,7 @@ def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
     case = load_case("tdi-pushrod", changes)
     for ask in (
         lambda: put_together(case, ()),
-        lambda: run_up_study(case, (200.0, 260.0, 0.2)),
+        lambda: vt.run_up(case, 200.0, 260.0, 0.2),
         lambda: simulate(case, workers=1),
     ):
         with pytest.raises(InputError, match=r"train\.valve\.friction"):
