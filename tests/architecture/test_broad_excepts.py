@@ -22,7 +22,6 @@ KNOWN = {
     "views/motion/scene.py:moving_picture": "a note that the run is not drawn",
     "views/study_files.py:_section": "a gap on the page, with the reason",
     "views/results.py:sentence_of": "no sentence",
-    "views/results.py:_picture_for_notebook": "no display",
     "views/results.py:html_for_notebook": "no display",
     "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
     "runs/critical_ranges.py:variants_of": "a member of the range with its refusal and no speed",

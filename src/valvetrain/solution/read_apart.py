@@ -98,8 +98,12 @@ def serve() -> None:
     os.write(os.dup(1), _BEGUN)  # the copy keeps the pipe open: a timeout then tells what it read
     for stream in (1, 2):  # drop what a library prints
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
+    mapped = 0  # bytes that this process has before it reads, where the system reports them
+    with suppress(OSError, ValueError):
+        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
+        mapped = int(pages) * os.sysconf("SC_PAGE_SIZE")
     try:
-        bound_process(MAX_MEMORY + _mapped(), int(seconds))
+        bound_process(MAX_MEMORY + mapped, int(seconds))
         function(Path(path))
         end = _READ
     except InputError:  # which the reader raises again for the caller
@@ -108,15 +112,6 @@ def serve() -> None:
         end = _TOO_LARGE
     finally:
         os._exit(end)
-
-
-def _mapped() -> int:
-    """Bytes that this process has mapped before it reads, 0 where the system does not report them."""
-    with suppress(OSError, ValueError):
-        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf(
-            "SC_PAGE_SIZE"
-        )
-    return 0
 
 
 def bound_process(memory: int, seconds: int) -> None:

@@ -232,26 +232,20 @@ def figure_for_user(result: object, name: str = "") -> go.Figure:
     raise UnknownNameError(name, figures_of(answer), "figure")
 
 
-def _picture_for_notebook(result: object) -> str:
-    """Verdict and rows of a result as HTML; empty where they cannot be made, which must never cost the result."""
-    try:
-        answer = answer_of(result)
-        if answer is None:
-            return ""
-        verdict = f"<p><strong>{escape(str(answer.verdict))}</strong></p>" if answer.verdict else ""
-        rows = [(one.label, *one.cells, f"{SIGN[one.mark]} {one.remark}") for one in answer.lines]
-        return verdict + (table("", ("", *answer.headings, ""), rows) if rows else "")
-    except Exception:
-        return ""
-
-
 def html_for_notebook(result: Any) -> str:
-    """The same, the text of the result, and its first table or its data where it has no rows."""
-    head, first, data = _picture_for_notebook(result), None, ""
-    with suppress(Exception):  # as there
-        answer = answer_of(result)
-        if answer is not None and not answer.lines:
-            first = next(iter(answer.tables().values()), None)
-            data = "" if first else result.to_pandas().to_html(max_rows=MAX_ROWS)
+    """Verdict and rows of a result as HTML, its text, and its first table or its data where it has no rows; what cannot be
+    made never costs the result.
+    """
+    head, first, data = "", None, ""
+    with suppress(Exception):
+        if (answer := answer_of(result)) is not None:
+            if answer.verdict:
+                head = f"<p><strong>{escape(str(answer.verdict))}</strong></p>"
+            if rows := [
+                (one.label, *one.cells, f"{SIGN[one.mark]} {one.remark}") for one in answer.lines
+            ]:
+                head += table("", ("", *answer.headings, ""), rows)
+            elif (first := next(iter(answer.tables().values()), None)) is None:
+                data = result.to_pandas().to_html(max_rows=MAX_ROWS)
     text = repr(result).removeprefix(sentence_of(result)).strip()
     return head + table(text, first.columns if first else (), first.rows if first else ()) + data
