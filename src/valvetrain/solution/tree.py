@@ -110,8 +110,10 @@ class Trunk:
 def _parts(item: Any) -> dict[str, Any]:
     """The fields of a dataclass, a named tuple or a table of options."""
     if is_dataclass(item):
-        found = {one.name: getattr(item, one.name) for one in fields(item)} or {"": None}
-        return found | {"channels": item.arrays} if isinstance(item, Solution) else found
+        # channels as plain arrays: to label them would load xarray
+        plain = {"channels": "arrays"} if isinstance(item, Solution) else {}
+        names = [one.name for one in fields(item)]
+        return {name: getattr(item, plain.get(name, name)) for name in names} or {"": None}
     if hasattr(item, "_fields"):
         return dict(item._asdict())
     if hasattr(type(item), "model_fields"):
