@@ -224,23 +224,15 @@ class Workspace:
 
         Raises :class:`InputError` for a name that is taken or cannot be one, and an unknown source.
         """
-        ours = self._free(name)
+        ours, origin = self._free(name), f"template {template_or_library}"
+        sides = dict[str, bytes]()
         if template_or_library in library_names():
-            text, origin = (
-                (LIBRARY / f"{template_or_library}.toml").read_text("utf-8"),
-                f"library case {template_or_library}",
-            )
-            sides = {
-                path.name: path.read_bytes()
-                for path in LIBRARY.iterdir()
-                if path.suffix != ".toml" and path.is_file() and f'"{path.name}"' in text
-            }
+            text = (LIBRARY / f"{template_or_library}.toml").read_text("utf-8")
+            origin = f"library case {template_or_library}"
+            named = (LIBRARY / file for file in names_in(text))
+            sides = {path.name: path.read_bytes() for path in named}
         else:
-            text, origin = (
-                template_text(template_or_library).replace("NAME", ours),
-                f"template {template_or_library}",
-            )
-            sides = {}
+            text = template_text(template_or_library).replace("NAME", ours)
         return self._put(ours, with_name(text, ours), origin, sides)
 
     def upload(

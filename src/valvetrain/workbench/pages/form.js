@@ -16,7 +16,7 @@ export default {
     found() { return this.shown.reduce((sum, group) => sum + group.fields.length, 0); },
   },
   methods: {
-    // What was typed or refused in a table that is there no more goes with it.
+    // What was typed or refused in a table that was removed goes with it.
     take() {
       const keys = new Set(this.groups.flatMap((group) => group.fields.map((field) => field.key)));
       const tables = new Set([...this.groups.map((group) => group.key), ...this.additions.map((one) => one.key)]);
