@@ -11,6 +11,7 @@ from unit.cli_parts import call, sentence
 from valvetrain.explore import optimise
 from valvetrain.explore.files import FileText
 from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_facts import SearchFacts
 from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.parameters.templates import template_text
 
@@ -118,6 +119,10 @@ def test_the_least_open_load_of_a_rate_is_that_of_its_card():
     assert float(found.best.trial.objectives[0]) == pytest.approx(230.0 + 35e3 * 9e-3, rel=2e-3)
     assert float(found.best.trial.objectives[0]) == found.best.trial.values[0]
     assert float(found.case.objectives[0]) == 560.0 and found.case.state == "feasible"
+    assert (
+        SearchFacts(found, "best.toml", "case.toml").step
+        == "valvetrain compare-springs case.toml best.toml"
+    )
 
 
 def test_the_total_of_a_pair_may_be_the_objective():

@@ -108,13 +108,18 @@ def optimise(
     clash. A cut search is resumed.
     """
     from valvetrain.explore import optimise as search
+    from valvetrain.explore.files import case_words
     from valvetrain.explore.objective import read_optimum
     from valvetrain.explore.optimum_answer import answer_of_search
     from valvetrain.explore.optimum_file import read_optimum_file
     from valvetrain.runs.cost import read_limits
+    from valvetrain.session import call_case
 
     limits, count = read_limits(limit), read_workers(workers, dask)
-    plan = read_optimum(read_optimum_file(file))
+    text = read_optimum_file(file)
+    plan = read_optimum(text)
+    call_case(case_words(text))
+    at_end(partial(call_case, []))
     folder = _folder("optimise", file, output)
     estimate = search.estimate_search(plan, count)
     announcement = f"{estimate.trials} trials, {{}} at most; finished points"

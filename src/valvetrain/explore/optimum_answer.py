@@ -27,6 +27,7 @@ from valvetrain.explore.results import (
 from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, Words, digits_text
+from valvetrain.session import called_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.units.reader import shown_system
 from valvetrain.views.json import uncertainty_object
@@ -58,7 +59,8 @@ class OptimumAnswer(ExploreAnswer):
         """The search as rules read it, with the case file of its best design."""
         there = self.folder is not None and self.found.best is not None
         written = there and self.found.plan.case is not None
-        return SearchFacts(self.found, str(self.folder / BEST) if written and self.folder else "")
+        file = str(self.folder / BEST) if written and self.folder else ""
+        return SearchFacts(self.found, file, self.words.case)
 
     @property
     def title(self) -> str:
@@ -216,5 +218,5 @@ def answer_of_search(found: Optimum, folder: Path | None = None) -> OptimumAnswe
     'O'
     """
     pounds = any(one.unit == "lbf" for one in found.plan.varied)
-    words = Words("imperial" if pounds else shown_system())
+    words = Words("imperial" if pounds else shown_system(), case=called_case())
     return OptimumAnswer(found, folder, words=words)

@@ -33,11 +33,21 @@ class SearchFacts(Subject):
 
     found: Optimum
     file: str = ""
+    called: str = ""
 
     @property
     def case(self) -> str:
-        """Name of the case."""
-        return self.found.plan.case_name
+        """What a command takes for its case."""
+        return self.called or self.found.plan.case_name
+
+    @property
+    def step(self) -> str:
+        """The command that draws the best springs of a train beside those of the case, else the run of the best design."""
+        plan = self.found.plan
+        springs = all(one.key.startswith("train.springs.") for one in plan.varied)
+        if not self.file or plan.case is None or not springs or plan.case.changed:
+            return f"valvetrain run {self.file}" if self.file else ""
+        return f"valvetrain compare-springs {self.case} {self.file}"
 
     @property
     def several(self) -> bool:

@@ -53,7 +53,7 @@ def front(facts: SearchFacts) -> Hits:
     """Of several objectives: the designs of the front, and how far the first two go."""
     designs = facts.found.front
     if facts.several and facts.found.best is not None:
-        fields: dict[str, Said] = {"count": f"{len(designs)}", "file": facts.file}
+        fields: dict[str, Said] = {"count": f"{len(designs)}", "step": facts.step}
         for place, word in enumerate("ab"):
             one = facts.found.plan.objectives[place].measure
             values = [float(each.objectives[place]) for each in designs]
@@ -104,7 +104,7 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
         fields |= {
             "name": facts.goal.label, "before": facts.objective(found.case), "after": facts.objective(best.trial), "limits": limits,
             "hold": "limit" if len(active) > 1 else "limits", "worse": found.case.failure or worse[:1],
-            "most": "most" if found.plan.objectives[0].maximise else "least", "file": facts.file, "share": f"{100 * facts.slight:.2g} %",
+            "most": "most" if found.plan.objectives[0].maximise else "least", "step": facts.step, "share": f"{100 * facts.slight:.2g} %",
         }  # fmt: skip
         yield Hit(fields=fields)
 
@@ -177,23 +177,23 @@ def alike(facts: SearchFacts) -> Hits:
         yield Hit(fields={"ranges": texts, "share": f"{100 * ALIKE:g} %", "only": only})
 
 
-RUN = "[valvetrain run {file}]"
+STEP = "[{step}]"
 RULES = (
     Rule("O101", "decides", "none of {count} designs can be computed", nothing, (), "{why}", "valvetrain check {case}"),
     Rule("O103", "decides", "no design meets every bound", missed, (), "the nearest misses {bound} by {by}",
          "loosen that bound, or widen {wide}", unless=("O101",)),
-    Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least} to {a_most} for {b_least} to {b_most}", RUN, mark="ok"),
+    Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least} to {a_most} for {b_least} to {b_most}", STEP, mark="ok"),
     Rule("O105", "decides", "no design beats the case", itself, (), "its {name} is {before:4}", "widen {wide}", mark="warn"),
     Rule("O106", "decides", "{name} goes from {by_before:4} to {by_after:4} by {by}", better(denying), (),
-         "the model of the search has {after:4}", RUN, mark="warn"),
+         "the model of the search has {after:4}", STEP, mark="warn"),
     Rule("O107", "decides", "no gain beyond the error bars", better(within_bars), (), "{name} {before:4} of the case and {after:4} of the best",
-         RUN, mark="warn", unless=("O106",)),
+         STEP, mark="warn", unless=("O106",)),
     Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.found.case.feasible), (),
-         "the case misses {worse}", RUN, mark="ok"),
+         "the case misses {worse}", STEP, mark="ok"),
     Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(lambda facts: not facts.slight), (), "[{limits} {hold} it]",
-         RUN, mark="ok", unless=("O106", "O107", "O108")),
+         STEP, mark="ok", unless=("O106", "O107", "O108")),
     Rule("O110", "decides", "the case is within {share} of the best", better(lambda facts: facts.slight), (),
-         "{name} {before:4}, at best {after:4}[; {limits} {hold} it]", RUN, mark="ok", unless=("O106", "O107", "O108")),
+         "{name} {before:4}, at best {after:4}[; {limits} {hold} it]", STEP, mark="ok", unless=("O106", "O107", "O108")),
     Rule("O120", "warns", "the search was stopped after {count} trials", cut, step="start the command again to continue"),
     Rule("O121", "warns", "by {by} the best design [misses {bound} by {off}][cannot be computed: {why}]", other_model),
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
