@@ -229,7 +229,7 @@ def _of_study(answer: Mapping[str, Any], row: Row) -> float:
 def rows_of_study(guide: Guide) -> dict[str, Any]:
     """Those points of a study that its page prints, computed and shaped as the command's answer."""
     plan = read_plan(read_study_file(Path(guide.words[1])))
-    draws = plan.sampler.first(plan.varied, plan.options)
+    draws = plan.sampler.draw(plan.varied, plan.options)
     varied = [{"name": one.name, "key": one.key} for one in plan.varied]
     answer: dict[str, Any] = {"command": "study", "varied": varied, "rows": []}
     for draw, run in itertools.product(draws, plan.runs):
