@@ -85,12 +85,12 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
 
 
 def from_to(facts: StudyFacts) -> Iterator[Hit]:
-    """Chosen points whose output has no better side or no change, or that differ in engine speed, which is no choice."""
+    """Chosen points whose output has no better side, or that differ in engine speed, which is no choice."""
     if facts.ends:
         name = facts.outputs[0]
         values = facts.judged(name)
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-        if facts.over_speed or not facts.sign(name) or values[low] == values[high]:
+        if values[low] < values[high] and (facts.over_speed or not facts.sign(name)):
             yield Hit(facts.amount(name, values[high]), fields=_chosen(facts, name, high, low))
 
 
@@ -160,11 +160,12 @@ def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
 
 
 def still(facts: StudyFacts) -> Iterator[Hit]:
-    """Draws over which the output does not change."""
-    for name in facts.outputs[:1] if not facts.chosen else ():
-        if not facts.effects(name):
-            value = facts.amount(name, np.median(facts.finite(name, facts.run)))
-            yield Hit(value, fields={"name": label_of(name)})
+    """Draws, or several chosen points, over which the output does not change."""
+    for name in facts.outputs[:1]:
+        values = facts.judged(name) if facts.chosen else facts.finite(name, facts.run)
+        alike = len(values) > 1 and np.ptp(values) == 0 if facts.chosen else not facts.effects(name)
+        if alike:
+            yield Hit(facts.amount(name, np.median(values)), fields={"name": label_of(name)})
 
 
 def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
@@ -199,13 +200,14 @@ RULES = (
     Rule("J101", "decides", "nothing came out", nothing, (), "[{told}]", "correct the study file and run it again", guide=GUIDE),
     Rule("J134", "decides", "no point is best by {name}", wide_bar, (), "the differences are within its error bar of {value:2}",
          "vary over wider ranges, or use a finer mesh", mark="warn", guide="uncertainty.md"),
-    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark="",
-         unless=("J134",)),
-    Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
-         "[{step}]", mark="ok", unless=("J11", "J134")),
-    Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok", unless=("J11", "J134")),
     Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
+    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark="",
+         unless=("J12", "J134")),
+    Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
+         "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
+    Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
+         "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok",
+         unless=("J11", "J12", "J134")),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
          "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
     Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),
