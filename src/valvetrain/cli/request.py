@@ -7,6 +7,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -26,14 +27,14 @@ from valvetrain.cli.options import (
 from valvetrain.runs.request_fields import (
     Fields,
     Option,
-    count,
-    one_of,
     option,
     options_of,
+    read_choice,
+    read_count,
     read_switch,
     read_text,
 )
-from valvetrain.runs.requests import MotionRequest, Refine, Request
+from valvetrain.runs.requests import ParallelRequest, Request
 
 RequestOf = TypeVar("RequestOf", bound=Request)
 LineOf = TypeVar("LineOf", bound="CommandLine")
@@ -53,7 +54,10 @@ class CommandLine(Fields):
         repeatable=True,
     )
     elements_per_coil: int | None = option(
-        count(1, MAX_ELEMENTS), "Finite elements per coil.", "--elements-per-coil", "N"
+        partial(read_count, 1, MAX_ELEMENTS),
+        "Finite elements per coil.",
+        "--elements-per-coil",
+        "N",
     )
     units: str = option(
         read_text,
@@ -119,7 +123,7 @@ class StudyLine(SavedLine):
         read_switch, "Write the report page.", "--report/--no-report", default=True
     )
     figures: str = option(
-        one_of(*FIGURE_FORMATS),
+        partial(read_choice, FIGURE_FORMATS),
         "Write every figure as a file of this format too.",
         "--figures",
         "|".join(FIGURE_FORMATS),
@@ -158,7 +162,7 @@ def add_command(
         take_units(typed.units)
         request, folder = typed.request(model, {**given, **always})
         take_folder(getattr(typed, "output", None))
-        if isinstance(request, (MotionRequest, Refine)):
+        if isinstance(request, ParallelRequest):
             workers = read_workers(request.workers, getattr(typed, "dask", ""))
             request = replace(request, workers=workers)
         execute(request, typed, folder)

@@ -192,9 +192,10 @@ def _folder(kind: str, file: Path, output: Path | None) -> Path:
 
 def _announce(cost: Cost, limits: Any, folder: Path, text: str, **fewer: str) -> None:
     """Refuse a request beyond the limits, and say what takes long."""
-    from valvetrain.runs.cost import refuse_cost
+    from valvetrain.runs.cost import cost_text, refuse_cost
 
-    estimate = refuse_cost(cost, limits, **fewer)
+    refuse_cost(cost, limits, **fewer)
+    estimate = cost_text(cost)
     if cost.seconds > WORTH_SAYING:
         tell(f"{text.format(estimate)} are stored in '{folder / POINTS}'")
 

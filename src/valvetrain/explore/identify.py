@@ -30,7 +30,7 @@ from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs.cluster import on_cluster
-from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.cost import Cost, Limits, cost_text, limits_of, refuse_cost
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import LOST, LOST_REMEDY, worker_count
 
@@ -286,7 +286,9 @@ def _identified(
         if compared is not None:
             total += (search.draws + 2) * _seconds(compared, posterior.middle)
         size = points * (POINT_BYTES + NUMBER_BYTES * len(sought.data))
-        phrase = refuse_cost(Cost(total / workers, size), limits, option)
+        cost = Cost(total / workers, size)
+        refuse_cost(cost, limits, option)
+        phrase = cost_text(cost)
         tell(f"{phrase} ({left} points of {1e3 * seconds:.3g} ms)", total / workers)
         others = None if compared is None else numbers_by(engine, compared)
         return solve(

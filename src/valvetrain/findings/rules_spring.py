@@ -101,30 +101,28 @@ def lifts(facts: Facts, run: Solution) -> Hit | None:
     return Hit(least, run, 0.0, severity=-least.value)
 
 
-def _surge(facts: Facts, large: bool) -> Iterator[Hit]:
+def surge(facts: Facts) -> Iterator[Hit]:
+    """Surge that is not lost in the force of the spring, and what the spring has to spare: in a train its margin over inertia,
+    alone its preload.
+    """
     for amount, run in facts.amounts("surge_amplitude_force"):
         spare = facts.amount(run, "minimum_spring_margin_force" if facts.train else "preload")
         peak = run.quantities.get("peak_spring_force", math.inf)
-        if not amount.resolved or amount.value < NONE * peak:
-            continue
-        left = spare.value if spare and spare.value > 0 else 0.0
-        if (amount.value > LARGE * left) is large:
+        if amount.resolved and amount.value >= NONE * peak:
             order = run.quantities.get("surge_amplitude_cam_order", 0)
             fields = {
                 "order": f"{order:.0f}" if order else "",
-                "left": spare if spare and left else "",
+                "left": spare if spare and spare.value > 0 else "",
             }
             yield Hit(amount, run, fields=fields)
 
 
 def large_surge(facts: Facts) -> Iterator[Hit]:
-    """Surge above a fifth of what the spring has to spare: in a train its margin over inertia, alone its preload."""
-    return _surge(facts, True)
-
-
-def surge(facts: Facts) -> Iterator[Hit]:
-    """Surge up to a fifth of what the spring has to spare."""
-    return _surge(facts, False)
+    """Surge above a fifth of what the spring has to spare."""
+    for hit in surge(facts):
+        left = hit.fields["left"]
+        if not isinstance(left, Amount) or (hit.amount and hit.amount.value > LARGE * left.value):
+            yield hit
 
 
 def resting(facts: Facts) -> Iterator[Hit]:

@@ -138,14 +138,6 @@ class EnergyBalance:
     imbalance: Array
     scale: float
 
-    @property
-    def relative_imbalance(self) -> float:
-        """Largest imbalance over the span of the work done; zero when no work was done and none is
-        missing.
-        """
-        largest = float(np.max(np.abs(self.imbalance), initial=0.0))
-        return largest / self.scale if self.scale > 0 else largest
-
 
 def energy_balance(solution: Solution) -> EnergyBalance | None:
     """Energy balance over the whole run; None for a model without energies."""
@@ -179,8 +171,10 @@ def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, floa
     balance = energy_balance(solution)
     if balance is None:
         return {}
+    # zero where no work was done and none is missing
+    largest = float(np.max(np.abs(balance.imbalance), initial=0.0))
     found = {
-        "energy_imbalance_ratio": balance.relative_imbalance,
+        "energy_imbalance_ratio": largest / balance.scale if balance.scale > 0 else largest,
         "dissipated_energy": float(balance.dissipated[-1]),
     }
     if cycle is not None and cycle.whole:

@@ -69,11 +69,15 @@ def limits_of(limit: str) -> Limits:
     return read_limits((limit,) if limit else (), "limit")
 
 
-def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> str:
-    """The cost as text. Raises :class:`InputError` where it is too large, with what to request
-    ``fewer`` of, and the ``option`` that raises the limit.
+def cost_text(cost: Cost) -> str:
+    """The cost in suitable units."""
+    return f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
+
+
+def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str = FEWER) -> None:
+    """Raise :class:`InputError` for a cost that is too large, with what to request ``fewer`` of, and the ``option`` that
+    raises the limit.
     """
-    text = f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"
     over = []
     if cost.seconds > limits.seconds:
         over.append((_rounded_up(cost.seconds, SECONDS), duration_text(limits.seconds)))
@@ -83,8 +87,9 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
         remedy = f"choose fewer {fewer}, or raise the bound with {option}'{raised}'"
-        raise InputError(f"this request will take {text}, beyond the bound of {bounds}; {remedy}")
-    return text
+        raise InputError(
+            f"this request will take {cost_text(cost)}, beyond the bound of {bounds}; {remedy}"
+        )
 
 
 def duration_text(seconds: float) -> str:

@@ -49,7 +49,9 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
             )
         for spring in member.springs:
             found += _spring_facts(member, spring)
-    return distinct((*found, *_buckling(problem, members)))
+    if problem.kind == TRAIN:
+        found += _buckling(problem, members)
+    return distinct(found)
 
 
 def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
@@ -96,8 +98,6 @@ def _buckling(problem: Problem, members: Sequence[Member]) -> Iterator[Fact]:
     """Wires of a train without a guide that buckle by the formula before the largest lift: the rod at
     rest is not solved for the run of a train.
     """
-    if problem.kind != TRAIN:
-        return
     for spring in dict.fromkeys(spring for member in members for spring in member.springs):
         if spring.wire is None or spring.guide is not None:
             continue

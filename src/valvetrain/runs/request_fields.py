@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from numbers import Integral
 from typing import Any, Self
 
@@ -47,11 +48,12 @@ def option(
     default: Any = None,
     repeatable: bool = False,
 ) -> Any:
-    """A field of a request. A ``default`` that is text is read as if it were given."""
+    """A field of a request. A ``default`` that is text is read as if it were given, when a request needs it."""
     text = default if isinstance(default, str) else ""
-    value = read(default, flag) if text else default
-    data = Option(read, meaning, flag, metavar, repeatable, text)
-    return dataclasses.field(default=value, metadata={"option": data})
+    metadata = {"option": Option(read, meaning, flag, metavar, repeatable, text)}
+    if text:
+        return dataclasses.field(default_factory=partial(read, text, flag), metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 def options_of(model: type[Any]) -> dict[str, Option]:
@@ -146,68 +148,53 @@ def read_models(given: Any, where: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(models))
 
 
-def choice(*names: str) -> Reader:
-    """Reads one or several of ``names``."""
-
-    def read(given: Any, where: str) -> tuple[str, ...]:
-        chosen = read_names(given, where)
-        for name in chosen:
-            if name not in names:
-                raise InputError(f"'{name[:40]}' is not available; use {', '.join(names)}", where)
-        return chosen
-
-    return read
+def read_choices(names: tuple[str, ...], given: Any, where: str) -> tuple[str, ...]:
+    """One or several of ``names``."""
+    chosen = read_names(given, where)
+    for name in chosen:
+        if name not in names:
+            raise InputError(f"'{name[:40]}' is not available; use {', '.join(names)}", where)
+    return chosen
 
 
-def one_of(*names: str) -> Reader:
-    """Reads one of ``names``."""
-    read_chosen = choice(*names)
-
-    def read(given: Any, where: str) -> str:
-        return "".join(read_chosen(given, where)[:1])
-
-    return read
+def read_choice(names: tuple[str, ...], given: Any, where: str) -> str:
+    """One of ``names``."""
+    return "".join(read_choices(names, given, where)[:1])
 
 
-def quantity(name: str, above_zero: bool = True) -> Reader:
-    """Reads an amount of the quantity or dimension ``name`` (SI): above zero, or zero and more."""
-
-    def read(given: Any, where: str) -> float:
-        value = si(given, name, where)
-        if above_zero and not value > 0:
-            raise InputError(f"'{clipped(str(given))}' is not positive; give one above zero", where)
-        if value < 0:
-            raise InputError(f"'{clipped(str(given))}' is negative; give zero or more", where)
-        return value
-
-    return read
+def read_positive(name: str, given: Any, where: str) -> float:
+    """An amount of the quantity or dimension ``name`` (SI) above zero."""
+    value = si(given, name, where)
+    if not value > 0:
+        raise InputError(f"'{clipped(str(given))}' is not positive; give one above zero", where)
+    return value
 
 
-def quantities(name: str) -> Reader:
-    """Reads amounts of the quantity or dimension ``name`` (SI), each text one or several: ``'200, 400 N'``."""
-
-    def read(given: Any, where: str) -> tuple[float, ...]:
-        parts = given if isinstance(given, (list, tuple)) else (given,)
-        return tuple(value for part in parts for value in si_each(part, name, where))
-
-    return read
+def read_amount(name: str, given: Any, where: str) -> float:
+    """An amount of the quantity or dimension ``name`` (SI): zero or more."""
+    value = si(given, name, where)
+    if value < 0:
+        raise InputError(f"'{clipped(str(given))}' is negative; give zero or more", where)
+    return value
 
 
-def count(low: int, high: int) -> Reader:
-    """Reads a whole number from ``low`` to ``high``."""
+def read_amounts(name: str, given: Any, where: str) -> tuple[float, ...]:
+    """Amounts of the quantity or dimension ``name`` (SI), each text one or several: ``'200, 400 N'``."""
+    parts = given if isinstance(given, (list, tuple)) else (given,)
+    return tuple(value for part in parts for value in si_each(part, name, where))
 
-    def read(given: Any, where: str) -> int:
-        text = given.strip() if isinstance(given, str) else ""
-        if text.lstrip("+-").isdecimal() and len(text) <= 20:
-            given = int(text)
-        if not isinstance(given, Integral) or isinstance(given, bool):
-            raise InputError(f"a whole number is needed; it is {str(given)[:40]}", where)
-        number = int(given)
-        if not low <= number <= high:
-            raise InputError(f"{number} is outside {low} to {high}; choose a number between", where)
-        return number
 
-    return read
+def read_count(low: int, high: int, given: Any, where: str) -> int:
+    """A whole number from ``low`` to ``high``."""
+    text = given.strip() if isinstance(given, str) else ""
+    if text.lstrip("+-").isdecimal() and len(text) <= 20:
+        given = int(text)
+    if not isinstance(given, Integral) or isinstance(given, bool):
+        raise InputError(f"a whole number is needed; it is {str(given)[:40]}", where)
+    number = int(given)
+    if not low <= number <= high:
+        raise InputError(f"{number} is outside {low} to {high}; choose a number between", where)
+    return number
 
 
 def read_switch(given: Any, where: str) -> bool:

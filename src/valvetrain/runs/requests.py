@@ -8,23 +8,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import Cost, Limits
 from valvetrain.runs.request_fields import (
     Fields,
-    choice,
-    count,
     option,
     options_of,
-    quantities,
-    quantity,
+    read_amount,
+    read_amounts,
     read_case,
+    read_choices,
+    read_count,
     read_limit,
     read_models,
     read_names,
+    read_positive,
     read_speed,
     read_speeds,
     read_switch,
@@ -39,26 +40,6 @@ if TYPE_CHECKING:
 RPM = math.pi / 30
 #: Most runs at a time; largest count of steps or modes, since what a smaller one costs decides whether it is too large.
 MAX_WORKERS, MAX_COUNTED = 256, 10**9
-
-
-def speeds_option() -> Any:
-    """The option of engine speeds."""
-    return option(
-        read_speeds,
-        "Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
-        "--rpm",
-        "SPEEDS",
-    )
-
-
-def workers_option() -> Any:
-    """The option of runs at a time."""
-    return option(
-        count(1, MAX_WORKERS),
-        "Runs at a time (default: the cores there are, at most 4).",
-        "--workers",
-        "N",
-    )
 
 
 @dataclass(frozen=True)
@@ -133,10 +114,15 @@ class SpringRequest(Request):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionRequest(SpringRequest):
-    """A request of runs in motion, several at a time."""
+class ParallelRequest(Request):
+    """A request of several runs at a time."""
 
-    workers: int | None = workers_option()
+    workers: int | None = option(
+        partial(read_count, 1, MAX_WORKERS),
+        "Runs at a time (default: the cores there are, at most 4).",
+        "--workers",
+        "N",
+    )
 
     @property
     def worker_count(self) -> int:
@@ -147,11 +133,24 @@ class MotionRequest(SpringRequest):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpeedRequest(MotionRequest):
+class SteadyRequest(ParallelRequest):
     """A request of runs at engine speeds. Without a speed those of the case are taken."""
 
-    engine_speeds: tuple[float, ...] | None = speeds_option()
-    compute: tuple[str, ...] = option(choice("error_bars"), "What else is computed.", default=())
+    engine_speeds: tuple[float, ...] | None = option(
+        read_speeds,
+        "Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
+        "--rpm",
+        "SPEEDS",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRequest(SpringRequest, SteadyRequest):
+    """A request of runs of chosen springs at engine speeds, and of what is kept of them."""
+
+    compute: tuple[str, ...] = option(
+        partial(read_choices, ("error_bars",)), "What else is computed.", default=()
+    )
     outputs: tuple[str, ...] = option(
         read_names, "Quantities and channels that alone are computed.", default=()
     )
@@ -174,11 +173,6 @@ class SpeedRequest(MotionRequest):
         return RequestedOutputs.of(self.outputs, self.case.train is not None)
 
     @property
-    def stores_channels(self) -> bool:
-        """Whether solutions hold their channels."""
-        return self.whole or (self.requested is not None and bool(self.requested.channels))
-
-    @property
     def critical_options(self) -> CriticalOptions | None:
         """How critical speeds are searched; None where they are not."""
         return None
@@ -189,7 +183,7 @@ class SpeedRequest(MotionRequest):
 
         parts = self.models, self.spring_sets, self.worker_count
         costs = RunRequest(self.command, self.case, self.engine_speeds, *parts)
-        return request_cost(costs, self.stores_channels, self.critical_options is not None)
+        return request_cost(costs, self.whole, self.critical_options is not None)
 
     def with_speeds(self) -> Self:
         """The request with the engine speeds that the command takes where none is given."""
@@ -225,21 +219,21 @@ class Sweep(SpeedRequest):
         default=True,
     )
     resolution: float = option(
-        quantity("engine_speed"),
+        partial(read_positive, "engine_speed"),
         "A fifth of the distance of the speeds at which critical speeds are looked for.",
         "--resolution",
         "SPEED",
         default="10 rpm",
     )
     float_lift: float = option(
-        quantity("length"),
+        partial(read_positive, "length"),
         "Lift above the rigid lift beyond which a valve floats.",
         "--float-lift",
         "LIFT",
         default="0.05 mm",
     )
     bounce_height: float = option(
-        quantity("length"),
+        partial(read_positive, "length"),
         "Height beyond which a bounce counts.",
         "--bounce-height",
         "LIFT",
@@ -278,7 +272,7 @@ class CompareSprings(Sweep):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunUp(MotionRequest):
+class RunUp(SpringRequest, ParallelRequest):
     """A train from one engine speed to another at constant acceleration."""
 
     command = "run-up"
@@ -298,7 +292,11 @@ class RunUp(MotionRequest):
         default="6000 rpm",
     )
     duration: float = option(
-        quantity("time"), "Duration of the run-up.", "--duration", "TIME", default="2 s"
+        partial(read_positive, "time"),
+        "Duration of the run-up.",
+        "--duration",
+        "TIME",
+        default="2 s",
     )
 
     @property
@@ -321,16 +319,16 @@ class Static(SpringRequest):
     command = "static"
 
     largest_compression: float | None = option(
-        quantity("compression", above_zero=False),
+        partial(read_amount, "compression"),
         "Largest compression, such as '12 mm' (default: beyond full lift).",
         "--to",
         "LENGTH",
     )
     steps: int = option(
-        count(2, MAX_COUNTED), "Number of even steps.", "--steps", "N", default="24"
+        partial(read_count, 2, MAX_COUNTED), "Number of even steps.", "--steps", "N", default="24"
     )
     heights: tuple[float, ...] = option(
-        quantities("length"),
+        partial(read_amounts, "length"),
         "Height between the seats to solve too: '32 mm'. Repeatable.",
         "--height",
         "LENGTH",
@@ -338,7 +336,7 @@ class Static(SpringRequest):
         repeatable=True,
     )
     loads: tuple[float, ...] = option(
-        quantities("force"),
+        partial(read_amounts, "force"),
         "Load to solve as well: '400 N'. Repeatable.",
         "--load",
         "FORCE",
@@ -362,16 +360,20 @@ class Modes(SpringRequest):
     command = "modes"
 
     count: int = option(
-        count(1, MAX_COUNTED), "Number of modes, lowest first.", "--count", "N", default="24"
+        partial(read_count, 1, MAX_COUNTED),
+        "Number of modes, lowest first.",
+        "--count",
+        "N",
+        default="24",
     )
     compression: float | None = option(
-        quantity("compression", above_zero=False),
+        partial(read_amount, "compression"),
         "Compression to compute them at: '7 mm' (default: installed).",
         "--compression",
         "LENGTH",
     )
     attached_mass: float | None = option(
-        quantity("mass", above_zero=False),
+        partial(read_amount, "mass"),
         "Mass that moves with the retainer: '50 g' (default: both ends fixed).",
         "--attached-mass",
         "MASS",
@@ -405,20 +407,16 @@ class Modes(SpringRequest):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Refine(Request):
+class Refine(SteadyRequest):
     """Error bars of the headline numbers of a case."""
 
     command = "refine"
 
-    engine_speeds: tuple[float, ...] | None = speeds_option()
-    workers: int | None = workers_option()
-
     def cost(self) -> Cost:
         """Estimated time and memory."""
         from valvetrain.runs.request_cost import refine_cost
-        from valvetrain.runs.workers import worker_count
 
-        return refine_cost(self.case, self.engine_speeds, worker_count(self.workers))
+        return refine_cost(self.case, self.engine_speeds, self.worker_count)
 
 
 def sweep_speeds(case: Case, step: int = 100) -> tuple[float, ...]:

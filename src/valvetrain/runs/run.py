@@ -143,10 +143,11 @@ def run_problem(
     problem.must_run()
     if not request.implausible:
         refuse_implausible(problem, speeds)
-    command, whole, critical = request.command, request.stores_channels, request.critical_options
+    command, critical, requested = request.command, request.critical_options, request.requested
+    whole = request.whole or (requested is not None and bool(requested.channels))
     progress, finished, created_at = watch.progress, watch.finished, watch.created_at
     error_bars = bool(request.compute)
-    rest = request.requested is None or request.requested.rest
+    rest = requested is None or requested.rest
     if problem.kind == TRAIN:
         samples = 720 if isinstance(request, Sweep) else None
     else:

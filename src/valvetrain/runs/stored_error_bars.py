@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.parameters.loading import library_names
 from valvetrain.runs.error_bars import grouped
@@ -91,7 +91,7 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
     ]  # fmt: skip
     for (speed, label), rows in grouped(study.rows).items():
         variant = _OF + label if label else ""
-        lines += ["", f'["{_STATICS if speed is None else _rpm(speed)}{variant}"]']
+        lines += ["", f'["{_heading(speed)}{variant}"]']
         for row in rows:
             numbers = ", ".join(f"{number:.7g}" for number in _numbers(row))
             lines.append(f"{row.quantity} = [{numbers}]")
@@ -142,8 +142,9 @@ def _numbers(row: Uncertainty) -> tuple[float, ...]:
     return (*first, *row.contact_stiffness, *row.damping)
 
 
-def _rpm(engine_speed: float) -> str:
-    return f"{engine_speed * 30 / math.pi:g} rpm"
+def _heading(engine_speed: float | None) -> str:
+    """An engine speed (rad/s) as headings of the stored tables have it; None for springs at rest."""
+    return _STATICS if engine_speed is None else f"{engine_speed * 30 / math.pi:g} rpm"
 
 
 def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparison, ...]:
@@ -151,35 +152,10 @@ def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparis
     these ship next to it.
     """
     content = _library_file(record.name, record.digest, "blind")
-
-    def head(row: Comparison) -> str:
-        return f"{_STATICS if row.engine_speed is None else _rpm(row.engine_speed)}, {row.origin}"
-
+    tables = [content.get(f"{_heading(row.engine_speed)}, {row.origin}", {}) for row in rows]
     return tuple(
-        replace(row, blind=content[head(row)].get(row.quantity)) if head(row) in content else row
-        for row in rows
-    )
-
-
-class Spread(NamedTuple):
-    """Percentiles 5, 50 and 95 of one quantity (SI) at one engine speed (rpm)."""
-
-    quantity: str
-    engine_rpm: int
-    low: float
-    middle: float
-    high: float
-
-
-def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
-    """The calibration spread that ships with a library case; empty where there is none for exactly
-    this case.
-    """
-    return tuple(
-        Spread(quantity, int(speed.split()[0]), *map(float, values))
-        for speed, table in _library_file(record.name, record.digest, "spread").items()
-        if speed != "case"
-        for quantity, values in table.items()
+        replace(row, blind=table.get(row.quantity)) if table else row
+        for row, table in zip(rows, tables, strict=True)
     )
 
 
@@ -193,8 +169,11 @@ def spread_facts(
     held = rows_that_hold(record, quantities)
     reproduced = {round(row.engine_speed / RPM) for row in held if row.engine_speed is not None}
     run = reproduced & {round(speed / RPM) for speed in engine_speeds}
+    # values are the percentiles 5, 50 and 95
     return tuple(
-        Fact("calibration-spread", {"quantity": one.quantity, "engine_speed": one.engine_rpm * RPM,
-                                    "low": one.low, "high": one.high})
-        for one in load_spread(record) if one.engine_rpm in run
+        Fact("calibration-spread", {"quantity": quantity, "engine_speed": int(speed.split()[0]) * RPM,
+                                    "low": float(values[0]), "high": float(values[-1])})
+        for speed, table in _library_file(record.name, record.digest, "spread").items()
+        if speed != "case" and int(speed.split()[0]) in run
+        for quantity, values in table.items()
     )  # fmt: skip

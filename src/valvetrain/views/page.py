@@ -88,9 +88,11 @@ def page_of(answer: Shown, gaps: PartialFailures | None = None) -> str:
     missing = PartialFailures() if gaps is None else gaps
     picture = missing.part("picture", "", answer.picture)
     content = content_of(answer, missing)
+    # plotly.js as its Python package brings it: 2 MB packed in place of 4.8
+    plotly = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     return _template("page.html.j2").render(
         answer=content.texts, whole=True, prefix="", picture=picture, sign=SIGN, hint=HINT,
-        style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=packed_plotly(),
+        style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=_packed(plotly),
         mover=motion_script() if content.texts["moving"] else "", texts=packed(content.texts), data=packed(content.data),
     )  # fmt: skip
 
@@ -149,11 +151,6 @@ def _packed(content: bytes) -> str:
 
 
 @cache
-def packed_plotly() -> str:
-    """plotly.js as its Python package brings it, packed: 2 MB in place of 4.8."""
-    return _packed(resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
-
-
 def packed_parts(page: str) -> dict[str, str]:
     """``answer`` and ``data`` of a page as it packs them; nothing of a page of another kind."""
     return dict(_PACKED.findall(page))

@@ -31,9 +31,9 @@ from valvetrain.workbench.job_process import (
 from valvetrain.workbench.requests import (
     JobKind,
     JobRequest,
+    allowed_cost_text,
     check_request,
     cost_of,
-    cost_text,
     request_json,
     request_of,
 )
@@ -213,7 +213,7 @@ class Jobs:
     def _check(self, request: JobRequest, text: str) -> str:
         case = self.workspace.parse(request.case, text)
         check_request(request, case)
-        return cost_text(cost_of(request, case, self.workers), self.limits)
+        return allowed_cost_text(cost_of(request, case, self.workers), self.limits)
 
     def _queued(self, request: JobRequest) -> str:
         text = self.workspace.text(request.case)

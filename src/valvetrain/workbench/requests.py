@@ -14,7 +14,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.loading import parse_toml
 from valvetrain.registry import find
-from valvetrain.runs.cost import Cost, Limits, refuse_cost
+from valvetrain.runs.cost import Cost, Limits, cost_text, refuse_cost
 from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.units import si_speeds
 from valvetrain.units.text import clipped
@@ -117,9 +117,10 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     return request_cost(asked, not sweeps, sweeps)
 
 
-def cost_text(cost: Cost, limits: Limits) -> str:
+def allowed_cost_text(cost: Cost, limits: Limits) -> str:
     """The cost as text. Raises :class:`InputError` where it is beyond the bounds of a job."""
-    return refuse_cost(cost, limits, "valvetrain serve --limit ")
+    refuse_cost(cost, limits, "valvetrain serve --limit ")
+    return cost_text(cost)
 
 
 def study_text(request: JobRequest, case_file: str) -> str:
