@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="kills by signals, which Windows does not have"
 )
 #: Commands without a folder of results.
-WITHOUT = {"cases", "check", "compare-runs", "findings", "new", "runs", "serve"}
+WITHOUT = {"cases", "check", "compare-runs", "findings", "new", "quantities", "runs", "serve"}
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ CASES = [("job-c", "3000 rpm", ""), (pushrod().parameters, "6000 rpm", "wire")]
 @pytest.mark.parametrize(("case", "speed", "spring_set"), CASES, ids=["job-c", "pushrod"])
 def test_the_bar_holds_what_rods_on_two_grids_have(case, speed, spring_set):
     """Near coil bind the bar was 67 N and the rod 166 N away."""
-    sets = {"spring_set": spring_set} if spring_set else {}
+    sets = {"spring_sets": spring_set} if spring_set else {}
     study = vt.simulate(case, speed, "reduced-rod", compute="error_bars", workers=1, **sets)
     bars = {row.quantity: row for row in study.error_bars.rows}
     problem = {"workers": 1, **sets}

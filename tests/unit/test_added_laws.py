@@ -64,7 +64,7 @@ case = parse_case(sys.stdin.read(), "own-case")
 study = simulate(case, models=["progressive", "massless"], workers=1)
 run = study.solution("progressive")
 assert run.status.completed, run.status.sentence()
-(member, _) = build(case, models=["progressive", "massless"]).members
+(member, _) = build(case, spring_models=["progressive", "massless"]).members
 (spring,) = member.system().springs
 assert isinstance(spring, SpringModel)
 plain = EquivalentSpring.from_installed(case.springs[0])

@@ -13,6 +13,7 @@ import json
 import shlex
 import tomllib
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -310,12 +311,16 @@ def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
     """Every run with a readable ``run.json`` under ``root``, newest first, of one ``case`` where
     given.
     """
-    found = []
+    found = list[tuple[int, SavedRun]]()
     for home in homes(case, root):
-        for folder in home.glob("*"):
-            if not folder.is_symlink() and (answer := _read_answer(folder)):
-                found.append(SavedRun(folder, answer))
-    return tuple(sorted(found, key=lambda run: (run.created_at, run.folder.name), reverse=True))
+        for path in home.glob(f"*/{ANSWER}"):
+            with suppress(OSError):  # a folder may go meanwhile
+                written = path.stat().st_mtime_ns
+                if not path.parent.is_symlink() and (answer := _read_answer(path.parent)):
+                    found.append((written, SavedRun(path.parent, answer)))
+    # runs of one second follow each other by the time at which they were written
+    newest = sorted(found, key=lambda one: (one[1].created_at, one[0]), reverse=True)
+    return tuple(run for _, run in newest)
 
 
 def find_run(name: str, root: Path = ROOT) -> SavedRun:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import errno
 import os
 import signal
@@ -156,6 +155,7 @@ def _ended_by_signals() -> Iterator[None]:
     """While a server runs, a signal ends it and nothing else: where an event loop runs, the loop's
     server has its own way of ending, and an
     exception in the midst of it would be reported as a fault."""
+    import asyncio  # only a server needs it
 
     def end(number: int, _: Any) -> None:
         try:
