@@ -167,6 +167,8 @@ def test_every_command_is_tried_here_or_in_the_tests_of_its_tool():
         if name.startswith("test_")
     }
     of_tools = {"optimise", "film", "scan", "rig", "lift", "compare-test"}
-    of_files = {"check", "cases", "new", "runs", "compare-runs", "serve", "findings"}
+    of_files = {"check", "cases", "new", "runs", "compare-runs", "serve", "findings", "quantities"}
     commands = {one.name for one in app.registered_commands}
-    assert commands <= here | {"modes", "compare", "sweep"} | of_tools | of_files, commands
+    assert commands <= here | {"modes", "compare", "sweep", "branches"} | of_tools | of_files, (
+        commands
+    )

@@ -15,10 +15,7 @@ from valvetrain.solution.critical import RPM, CriticalSpeed, SpeedBracket, place
 #: Kind of critical speed -> what the valve does from there.
 DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
 #: Cause of the end of a range -> what is said of it.
-ENDS = {
-    "force": "a tenth of the force", "ends": "ends that would pull", "revolution": "scatter of revolutions", "model": "spring model",
-    "step": "time step",
-}  # fmt: skip
+ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolution": "scatter"}
 SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike.
 WIDE, ALIKE = 0.004, 0.01
@@ -59,7 +56,7 @@ def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
     width = high - low if math.isfinite(high) and low > 0 else 0.0
     begin = f"below {speed_text(row.first_engine_speed, '')}" if low <= 0 else about(low)
     end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"
-    causes = joined([ENDS.get(one, one) for one in row.causes])
+    causes = ", ".join(ENDS.get(one, one) for one in row.causes)
     return {"range": f"{begin} to {end}", "over": causes}, width / 2
 
 
@@ -293,7 +290,7 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 
 
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
-RANGE = "[limit {range} rpm, by {over}]"
+RANGE = "[{range} rpm by {over}]"
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 KEPT = (*CONTACT, "float_excess_lift")
 LEFT = "[{most} and {least} left on the cam at {there}]"

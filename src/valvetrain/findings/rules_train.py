@@ -274,7 +274,7 @@ RULES = (
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
-         needs, NEEDED, "or {rate} at your seat load", remark="by rigid parts; you have {have..full}",
+         needs, NEEDED, "or {rate} at your seat load", remark="you have {have..full}",
          guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
          ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),

@@ -95,7 +95,7 @@ ROWS = (
     Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", BOUNCE)),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
     Row("spring", (SEAT,), of="train"),
-    Row("spring needed", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
+    Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
     Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
