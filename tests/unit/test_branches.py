@@ -64,7 +64,7 @@ def test_findings_name_chaos_hysteresis_and_what_repels(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def marched() -> Branches:
-    return vt.Case("tdi-pushrod").branches("9450:9650:50 rpm", spring_set="stock")
+    return vt.Case("tdi-pushrod").branches("9450:9650:50 rpm", spring_sets="stock")
 
 
 def test_a_march_shows_the_hysteresis_that_plain_revolutions_show(marched: Branches) -> None:
@@ -85,14 +85,16 @@ def test_a_march_shows_the_hysteresis_that_plain_revolutions_show(marched: Branc
 
 
 def test_a_march_ends_within_its_revolutions() -> None:
-    short = vt.Case("tdi-pushrod").branches("8700:8900:50 rpm", spring_set="stock", revolutions=300)
+    short = vt.Case("tdi-pushrod").branches(
+        "8700:8900:50 rpm", spring_sets="stock", revolutions=300
+    )
     assert not short.complete and short.revolutions < 800
     assert short.points[0].motion == "chaotic" and short.points[0].exponent > 0.1
 
 
 def test_wrong_requests_are_refused() -> None:
     with pytest.raises(InputError, match="seating_velocity"):
-        vt.Case("tdi-pushrod").branches("3000 rpm", spring_set="stock", quantity="colour")
+        vt.Case("tdi-pushrod").branches("3000 rpm", spring_sets="stock", quantity="colour")
     with pytest.raises(InputError, match="no train"):
         vt.Case("job-t").branches("3000 rpm")
 

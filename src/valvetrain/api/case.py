@@ -236,11 +236,11 @@ class Case:
 
         return critical_speeds(self.parameters, engine_speeds, models, **options)
 
-    def branches(self, engine_speeds: Any, model: Any = (), **options: Any) -> Branches:
+    def branches(self, engine_speeds: Any, models: Any = (), **options: Any) -> Branches:
         """Motions of its train over engine speed, rising and falling; as :func:`valvetrain.runs.branches`."""
         from valvetrain.runs.branch_march import branches
 
-        return branches(self.parameters, engine_speeds, model, **options)
+        return branches(self.parameters, engine_speeds, models, **options)
 
     def static(self, largest_compression: Any = None, **options: Any) -> StaticCurve:
         """Force over compression of its spring; as :func:`valvetrain.static_curve`."""

@@ -75,7 +75,7 @@ def branches(
             chosen,
             speeds,
             models,
-            spring_set=sets,
+            spring_sets=sets,
             quantity=quantity,
             revolutions=revolutions,
             progress=report,

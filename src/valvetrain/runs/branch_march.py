@@ -123,9 +123,9 @@ class _March:
 def branches(
     case: AnyCase,
     engine_speeds: Given | Sequence[Given],
-    spring_models: Sequence[str] | str = (),
+    models: Sequence[str] | str = (),
     *,
-    spring_set: Sequence[str] | str = (),
+    spring_sets: Sequence[str] | str = (),
     quantity: str = "loft_gap",
     revolutions: int = MOST_REVOLUTIONS,
     progress: Progress | None = None,
@@ -137,7 +137,7 @@ def branches(
     case : Case, name of a library case, or path of a case file; it holds a train
     engine_speeds : of the crank, "7000:9700:25 rpm" (first:last:step), rad/s or pint quantities; the step shows
         what is narrower not at all
-    spring_models, spring_set : as for :func:`valvetrain.simulate`; the first of several is marched
+    models, spring_sets : as for :func:`valvetrain.simulate`; the first of several is marched
     quantity : number of a revolution: loft_gap, seating_velocity, float_excess_lift, peak_valve_lift, peak forces
     revolutions : most that the march takes; it then ends with what it has
     progress : called with the share done and a text
@@ -153,12 +153,12 @@ def branches(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = vt.runs.branches("tdi-pushrod", "8000:8100:50 rpm", spring_set="stock")
+    >>> found = vt.runs.branches("tdi-pushrod", "8000:8100:50 rpm", spring_sets="stock")
     >>> [(point.motion, round(1e3 * point.values[0], 2)) for point in found.attracting(rising=True)]
     [('period 1', 0.16), ('period 1', 0.15), ('period 1', 0.19)]
     """
     problem = build(
-        case, spring_models=model_names(spring_models), spring_set=as_names(spring_set)
+        case, spring_models=model_names(models), spring_set=as_names(spring_sets)
     ).settled()
     speeds = tuple(sorted(si_speeds(engine_speeds, "engine_speed", "engine_speeds")))
     refuse_speeds(problem, speeds)
