@@ -89,7 +89,7 @@ def test_a_peak_costs_no_scan_of_the_whole_trace():
         ("wave-rod-clash", 100, 2.0, 170),
     ],
 )  # fmt: skip
-def test_estimates_are_of_the_right_order(model, engine_speed, seconds, megabytes):
+def test_estimates_hold_within_a_factor_of_two(model, engine_speed, seconds, megabytes):
     """Processor time (s) and growth of memory (MB) as measured with the template of a spring; of the rod
     on a fast and on a busy machine.
     """
@@ -97,8 +97,8 @@ def test_estimates_are_of_the_right_order(model, engine_speed, seconds, megabyte
     cost = request_cost(
         RunRequest("run", case.parameters, (engine_speed * math.pi / 30,), (model,), (), 1)
     )
-    assert seconds / 4 < cost.seconds < 4 * seconds
-    assert not megabytes or megabytes / 5 < cost.bytes / 1e6 < 2 * megabytes
+    assert seconds / 2 < cost.seconds < 2 * seconds
+    assert not megabytes or megabytes / 2 < cost.bytes / 1e6 < 2 * megabytes
 
 
 def test_cost_grows_as_one_over_the_speed_and_memory_does_not():

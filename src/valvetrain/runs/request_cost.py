@@ -23,9 +23,11 @@ SEARCH_CYCLES = 400
 AT_ENDS, AT_POINT = 30, 12
 #: The chain of masses; points along a wire of a model without a mesh.
 CHAIN, POINTS = "multi-mass", 100.0
-#: Instants of a cam revolution that are stored; steps of which the forces are, their time (s), bytes of a step while it
-#: runs and as it is stored.
-INSTANTS, MOST_STEPS, STEP, STEP_BYTES, STORED_BYTES = 720, 2**20, 2e-6, 128.0, 16.0
+#: Instants of a cam revolution that are stored; steps of which the forces are, their length (s), seconds that their
+#: evaluation takes, bytes of a step while it runs and as it is stored.
+INSTANTS, MOST_STEPS, STEP, STEP_TIME, STEP_BYTES, STORED_BYTES = 720, 2**20, 2e-6, 1.2e-6, 128.0, 16.0
+#: Bytes of a process beside its arrays, once it has run.
+PROCESS_BYTES = 120e6
 #: Spring at rest: seconds and bytes of one finite element at one height, bytes of a height as it is written, seconds of
 #: one number of two vectors that are made orthogonal.
 HEIGHT_TIME, HEIGHT_BYTES, WRITTEN_BYTES, VECTOR_TIME = 65e-6, 130.0, 2e3, 2.5e-9
@@ -130,9 +132,9 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             meshes = [mesh_of(spec, spring) for spring in springs]
             work = sum(refinement**2 for _, refinement in meshes)  # more unknowns in shorter steps
             stepping = simulated_time * spec.processor_time * work
-            seconds = (OVERHEAD * stored + stepping) / at_a_time
+            seconds = ((OVERHEAD + STEP_TIME * steps) * stored + stepping) / at_a_time
             run = 8.0 * INSTANTS * (AT_ENDS + AT_POINT * sum(points for points, _ in meshes))
-            at_work = (2 * run + STEP_BYTES * steps) * at_a_time
+            at_work = (PROCESS_BYTES + 2 * run + STEP_BYTES * steps) * at_a_time
             total += Cost(seconds, (run + STORED_BYTES * steps) * stored + at_work)
     return total
 

@@ -171,7 +171,7 @@ SPEC = SpringModelSpec(
     FiniteElementOptions,
     _make,
     shows=("sections", "clash", "stress"),
-    processor_time=12.0,
+    processor_time=9.0,
     knows="geometrically exact wire, all coils in contact, seats, stress, buckling, guides",
     leaves_out="contact patches across the wire, friction on guides",
 )

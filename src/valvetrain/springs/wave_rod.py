@@ -210,7 +210,7 @@ SPEC = SpringModelSpec(
     NoOptions,
     _make,
     shows=("sections",),
-    processor_time=0.5,
+    processor_time=0.15,
     beside=("modal-uniform",),
     knows="the wave equation; a step travels undistorted",
     leaves_out="clash, change of rate while surging",
