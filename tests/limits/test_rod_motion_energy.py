@@ -58,3 +58,11 @@ def test_moving_along_each_axis_carries_the_mass_between_the_ends(axis):
     velocity[0, :, axis] = speed
     run = SimpleNamespace(spin=np.zeros((1, mesh.vertices + 1, 3)), velocity=velocity)
     assert _kinetic(mesh, run) == pytest.approx([0.5 * moving * speed**2], rel=1e-6)
+
+
+def test_the_force_at_a_bonded_end_is_the_slope_of_the_stored_energy():
+    """Virtual work: only the bonded end moves, the wire between stays where it is."""
+    model, step = RodModel(SPRING, 5e-3, seats="clamps"), 1e-7
+    state = model.initial_state(0.0)
+    low, high = (model.energy(state, moved).elastic for moved in (-step, step))
+    assert (high - low) / (2 * step) == pytest.approx(model.force(state, 0.0).retainer, rel=1e-6)

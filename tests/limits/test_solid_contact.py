@@ -189,3 +189,15 @@ def test_the_first_contact_point_stands_off_the_wire_as_all_others():
     assert points.foot.min() < 0.5
     due = true_distance(spring.centreline, np.full(1, 2.0))[0]
     assert points.apart == pytest.approx(np.full(len(points.apart), due), abs=2e-6)
+
+
+def test_a_copy_of_contact_points_leaves_the_original_as_it_was():
+    """Contract: what kernels write into a copied state (foot, gap, forces, peaks) stays there."""
+    _, points = two_bars(0.1e-3)
+    before = {name: array.copy() for name, array in points._asdict().items()}
+    copied = points.copy()
+    for name in ("foot", "apart", "drag", "pressed", "peak", "held"):
+        getattr(copied, name)[...] = 7.0
+    copied.near[...] = False
+    for name, array in points._asdict().items():
+        assert np.array_equal(array, before[name]), name
