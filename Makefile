@@ -117,5 +117,5 @@ pins:
 	@bash scripts/pins.sh
 
 clean:
-	rm -rf .venv .venv-* build docs/api docs/gallery docs/commands.rst docs/quantities.md docs/plausible.md docs/defaults.md dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	rm -rf .venv .venv-* build docs/api docs/gallery docs/commands.rst docs/quantities.md docs/plausible.md docs/defaults.md docs/error-bars.md dist runs src/valvetrain.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,4 @@
-"""The pages of quantities, of plausible values and of defaults, which a build writes from the tables of the package."""
+"""Pages that a build writes from the tables of the package: quantities, plausible values, defaults, stored error bars."""
 
 from __future__ import annotations
 
@@ -6,13 +6,19 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 from defaults_page import defaults_page
 from generated import write_changed
 
+from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.plausible import TABLES
 from valvetrain.quantities.table import AT_REST, CAM, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN, find
-from valvetrain.solution.definition import QuantityRow, tables
+from valvetrain.runs.error_bars import grouped
+from valvetrain.runs.stored_error_bars import load_uncertainty
+from valvetrain.solution.definition import QuantityRow, label_of, shown, tables
+from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.views.text import rpm
 
 _HEAD = """\
 # Named quantities
@@ -111,11 +117,47 @@ def plausible_page() -> str:
     return "\n".join(lines)
 
 
+#: Library cases whose error bars are stored.
+_REFINED = ("gu2021-beehive-blind", "tdi-pushrod", "vaz-ohc")
+
+
+def error_bars_page() -> str:
+    """The page of stored error bars: every headline number of the library cases."""
+    lines = [
+        "# Stored error bars\n",
+        "Headline numbers of the library cases with their numerical error bars, and their ranges over constants that nobody",
+        "knows: contact stiffness from half to twice the case's, damping from 0.6 to 1.5 times. [How they are made](uncertainty.md).\n",
+    ]
+    for name in _REFINED:
+        lines.append(f"## {name}\n")
+        for (speed, label), rows in grouped(load_uncertainty(load_case(name).record())).items():
+            at = "at rest" if speed is None else f"{rpm(speed):.0f} rpm"
+            lines += [
+                f"### {', '.join(filter(None, (label, at)))}\n",
+                "| quantity | value | ± | unit | over contact stiffness | over damping |",
+                "|---|---|---|---|---|---|",
+                *map(_bar, rows),
+                "",
+            ]
+    return "\n".join(lines)
+
+
+def _bar(row: Uncertainty) -> str:
+    numbers = np.array([row.value, row.numerical, *row.contact_stiffness, *row.damping])
+    scaled, unit = shown(row.quantity, numbers)
+    value, _, soft, stiff, least, most = (f"{number:.5g}" for number in scaled)
+    bar = f"{scaled[1]:.3g}"
+    if row.numerical > abs(row.value):
+        bar = "not resolved"
+    return f"| {label_of(row.quantity)} | {value} | {bar} | {unit} | {soft} to {stiff} | {least} to {most} |"
+
+
 #: Page of the documentation -> its text.
 PAGES: dict[str, Callable[[], str]] = {
     "quantities.md": quantities_page,
     "plausible.md": plausible_page,
     "defaults.md": defaults_page,
+    "error-bars.md": error_bars_page,
 }
 
 
