@@ -12,7 +12,7 @@ from valvetrain.quantities.evaluate import evaluate
 from valvetrain.solution.provenance import CaseRecord, Provenance, PublishedValue
 from valvetrain.solution.result import Solution, empty_channels
 from valvetrain.solution.study import Study
-from valvetrain.sources.library import MULTIBODY4B17
+from valvetrain.sources.contract import MULTIBODY4B17
 
 
 def stages() -> Known:

@@ -9,7 +9,7 @@ from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
-from valvetrain.sources.library import GU2021
+from valvetrain.sources.contract import GU2021
 from valvetrain.sources.reader import Reader
 
 ENGINE_SPEED = 5600 * 2 * np.pi / 60

@@ -19,9 +19,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.train_events import marginal_duration
+from valvetrain.runs.error_bars import divided
 from valvetrain.runs.own_error_bars import NAMES, SAME_SCATTER
 from valvetrain.runs.prepared import Plan, integrate_from, prepare, provenance_of, with_quantities
-from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.requests import Run
 from valvetrain.runs.run import run_problem
 from valvetrain.solution.result import Solution

@@ -28,9 +28,8 @@ from valvetrain.integrate.run import run as integrate
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.loading import parse_case
-from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element import FiniteElementRod, equilibrium_at
 from valvetrain.springs.finite_element_channels import wire_points
-from valvetrain.springs.finite_element_statics import equilibrium_at
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.stress import LOADS, wire_stress
 from valvetrain.system.build import build

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 from validation.row import Row, book_case
 from validation.springs import mesh, rate, spring
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.cosserat.buffer import RodDynamics, inertia_of
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import free_state

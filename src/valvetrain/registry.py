@@ -205,7 +205,7 @@ BUILT_IN["samplers"] = {
     "posterior": "valvetrain.explore.posterior_draws:POSTERIOR_SPEC",
 }
 BUILT_IN["sources"] = {
-    key: f"valvetrain.sources.library:{key.upper()}"
+    key: f"valvetrain.sources.contract:{key.upper()}"
     for key in ("gu2021", "vasilyev2016", "multibody4b17")
 }
 #: Tables of rules by importance, figures of a study's page and its folded tables, each in their order. What stands before

@@ -17,8 +17,8 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.api import simulate
+from valvetrain.runs.error_bars import TRAIN_HEADLINES
 from valvetrain.runs.prepared import Plan, prepare, with_quantities
-from valvetrain.runs.refine_trains import HEADLINES
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.definition import topics
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
@@ -284,7 +284,7 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
         )
     names = {
         name
-        for name in (*HEADLINES, *(one for topic in topics().values() for one in topic))
+        for name in (*TRAIN_HEADLINES, *(one for topic in topics().values() for one in topic))
         if name in found[-1]
     }
     named = (

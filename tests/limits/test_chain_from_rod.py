@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.solution.facts import with_code
 from valvetrain.springs import chain_from_rod
-from valvetrain.springs.finite_element_statics import equilibrium_at
+from valvetrain.springs.finite_element import equilibrium_at
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
 

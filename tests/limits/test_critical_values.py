@@ -16,7 +16,7 @@ import valvetrain as vt
 from valvetrain.findings.rules_train import cause_text
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import parse_case
-from valvetrain.quantities.end_events import PULL
+from valvetrain.quantities.clash import PULL
 from valvetrain.quantities.train_events import counted_losses
 from valvetrain.runs import critical_scan
 from valvetrain.runs.critical_speeds import standing_force

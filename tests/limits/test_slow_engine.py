@@ -16,7 +16,7 @@ from valvetrain.cosserat import transient
 from valvetrain.integrate import leapfrog
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.signal import prominences
-from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.cost import RunRequest, request_cost
 
 SPRING = {
     "wire_diameter": "4 mm", "mean_diameter": "28 mm", "total_coils": 7.0, "material": "EN 10270-2 VDSiCr",

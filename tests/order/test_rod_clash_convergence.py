@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case

@@ -20,8 +20,8 @@ import math
 import numpy as np
 import pytest
 
-from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cam_card import CamCard, angle_before_nose
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.cam.flanks import HalfLobe
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.loading import parse_case

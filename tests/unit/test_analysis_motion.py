@@ -17,7 +17,7 @@ from valvetrain.quantities.statics import (
 )
 from valvetrain.solution.channels import FINE
 from valvetrain.solution.status import Event
-from valvetrain.sources.library import GU2021
+from valvetrain.sources.contract import GU2021
 from valvetrain.sources.reader import bounce, meetings
 
 DEG = np.pi / 180

@@ -20,9 +20,15 @@ from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.sources.claims import Claim, Term
-from valvetrain.sources.contract import SourceStudy, against_source
-from valvetrain.sources.library import MULTIBODY4B17, VASILYEV2016, read_source
+from valvetrain.sources.contract import (
+    MULTIBODY4B17,
+    VASILYEV2016,
+    Claim,
+    SourceStudy,
+    Term,
+    against_source,
+    read_source,
+)
 from valvetrain.sources.reader import MORE_KINDS
 from valvetrain.sources.readings import KINDS, angle_of
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthetic_spring import EVENT, beehive_reader, bump, run
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case

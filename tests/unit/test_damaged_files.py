@@ -28,7 +28,7 @@ from valvetrain.solution import atomic as checksum
 from valvetrain.solution import read_apart
 from valvetrain.solution.channels import ChannelArrays
 from valvetrain.solution.netcdf import TREE, load_netcdf, refuse_claims, save_netcdf, write_image
-from valvetrain.solution.textfile import save_csv
+from valvetrain.solution.result import save_csv
 
 RUN = rod_run(samples=90)
 READERS = ((save_netcdf, load_netcdf, "run.nc"),)

@@ -16,7 +16,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.runs.compare_springs import with_two_springs
-from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.runs.cost import RunRequest, planned
 from valvetrain.solution.facts import with_code
 from valvetrain.system.build import build
 

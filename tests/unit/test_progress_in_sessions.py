@@ -12,7 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain import session
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import shows_progress
 
 
 class ZMQInteractiveShell:

@@ -9,7 +9,7 @@ import pytest
 
 from synthetic_study import at_rest, rod_run
 from valvetrain.errors import InputError
-from valvetrain.solution import netcdf, textfile
+from valvetrain.solution import netcdf, result
 from valvetrain.solution.atomic import atomic_path, write_text
 
 RUN, (REST, *_) = rod_run(samples=24), at_rest()
@@ -66,9 +66,9 @@ def test_csv_broken_off_in_the_middle_leaves_nothing(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return row
 
-    monkeypatch.setattr(textfile, "repr", written, raising=False)
+    monkeypatch.setattr(result, "repr", written, raising=False)
     with pytest.raises(KeyboardInterrupt):
-        textfile.save_csv(RUN, tmp_path / "run.csv")
+        result.save_csv(RUN, tmp_path / "run.csv")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -185,7 +185,7 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
     """Fails when rod or case have changed since scripts/write_uncertainty.py was run; run it again
     then.
     """
-    from valvetrain.springs.finite_element_statics import modal_result
+    from valvetrain.springs.finite_element import modal_result
     from valvetrain.springs.spec import spring_model
 
     case = load_case("gu2021-beehive-blind")

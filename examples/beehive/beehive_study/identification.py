@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.cam.shaped import Shaped
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes

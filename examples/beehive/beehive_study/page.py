@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 
 import valvetrain as vt
 from beehive_study.modal import forces_of_equation_5
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.study import Study
-from valvetrain.sources.library import GU2021
+from valvetrain.sources.contract import GU2021
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[3]

@@ -242,8 +242,7 @@ class Spring:
           530.45 Hz, lateral, 8% axial
           821.2 Hz, surge, 87% axial
         """
-        from valvetrain.springs.finite_element import FiniteElementRod
-        from valvetrain.springs.finite_element_statics import spring_modes
+        from valvetrain.springs.finite_element import FiniteElementRod, spring_modes
 
         if self.parameters.wire is None:
             raise InputError(
@@ -259,9 +258,9 @@ class Spring:
         return spring_modes(built, int(count))
 
     def _built(self, models: Any) -> SpringModel:
-        from valvetrain.runs.statics import default_model
         from valvetrain.springs.own_spring import model_name
         from valvetrain.springs.spec import spring_model
+        from valvetrain.system.build import default_model
 
         spec = spring_model(model_name(models or default_model(self.parameters)), "models")
         if reason := spec.why_not(self.parameters):
@@ -273,7 +272,7 @@ class Spring:
         :meth:`frequencies`); ``lift_law`` and options as for :class:`valvetrain.Case` and its ``run``.
         """
         from valvetrain.parameters.loading import case_of_tree
-        from valvetrain.runs.statics import default_model
+        from valvetrain.system.build import default_model
 
         models = models or default_model(self.parameters)
         tree = {"spring": self.table, "lift_law": lift_table(lift_law)}

@@ -1,2 +1,2 @@
-from valvetrain.cam.build import build_lift_law as build_lift_law
 from valvetrain.cam.contract import LiftLaw as LiftLaw
+from valvetrain.cam.contract import build_lift_law as build_lift_law

@@ -130,8 +130,9 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     cards by their rate.
     """
     from valvetrain.runs.prepared import largest_lift
-    from valvetrain.runs.statics import default_model, point_of
+    from valvetrain.runs.statics import point_of
     from valvetrain.springs.spec import spring_model
+    from valvetrain.system.build import default_model
 
     if problem is None or not problem.moves:
         return NO_LOADS

@@ -40,7 +40,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import verdict_first
 from valvetrain.solution.quantity import same_speed

@@ -9,8 +9,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.outputs import DRIVE_FORCE, Outcome

@@ -31,7 +31,7 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, cost_text, limits_of, refuse_cost
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import LOST, LOST_REMEDY, worker_count
 
 Array = NDArray[np.float64]

@@ -43,7 +43,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import OWN, find
-from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.runs.cost import RunRequest, planned
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity
 

@@ -32,7 +32,7 @@ from valvetrain.explore.search import quiet_optuna, search_from
 from valvetrain.explore.trial import Array, Trial, best_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.units import known_arguments

@@ -13,7 +13,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import ENGINE_SPEED
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import OWN, find, names
-from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.runs.cost import RunRequest, planned
 from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given, of_pair
 
 #: What a spring model shows -> beginnings of the names of quantities that need it.

@@ -32,9 +32,8 @@ from valvetrain.explore.sensitivity import sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
-from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.request_cost import RunRequest, request_cost
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.cost import Cost, Limits, RunRequest, limits_of, refuse_cost, request_cost
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import known_arguments

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import TURN, Lift, is_closed, mean_of, segments
 from valvetrain.film.result import CoilMotion

@@ -15,9 +15,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
-from valvetrain.runs.cost import Cost, limits_of, refuse_cost
-from valvetrain.runs.request_cost import RunRequest, request_cost
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.cost import Cost, RunRequest, limits_of, refuse_cost, request_cost
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.display import Shown

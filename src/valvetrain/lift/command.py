@@ -306,8 +306,7 @@ def _carried(
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.files import case_with
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.cost import refuse_cost
-    from valvetrain.runs.request_cost import RunRequest
+    from valvetrain.runs.cost import RunRequest, refuse_cost
 
     case = load_case(name)
     if case.lift_law is not None and case.lift_law.lift_of != law.lift_of:

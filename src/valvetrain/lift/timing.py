@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.cam.build import build_lift_law
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.lift.figures import CARD, LiftFigure, LobeResult, height_key, height_text
 from valvetrain.measured.cam_events import KEYS, CamEvents, against_dead_centre, events_in

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.quantities.clash import (
+    END_KINDS,
     clash_events,
     clash_numbers,
+    end_events,
     find_clash_window,
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
-from valvetrain.quantities.end_events import END_KINDS, end_events
 from valvetrain.quantities.forces import (
     energy_quantities,
     force_quantities,

@@ -14,20 +14,19 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.cost import FEWER_AT_REST, limits_of, refuse_cost
+from valvetrain.runs.cost import FEWER_AT_REST, limits_of, refuse_cost, spring_cost
 from valvetrain.runs.prepared import largest_lift
-from valvetrain.runs.request_cost import spring_cost
 from valvetrain.runs.requests import Compare, Run, SpeedRequest, Sweep, Watch
 from valvetrain.runs.run import run_study, sweep_study
-from valvetrain.runs.statics import STEPS, curve_by_model, default_model
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.springs.own_spring import model_name
 from valvetrain.springs.spec import spring_model as spec_of_model
-from valvetrain.system.build import build
+from valvetrain.system.build import build, default_model
 from valvetrain.units import Given, known_arguments, si
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of

@@ -1,4 +1,4 @@
-"""Time and memory that a request may take, and the refusal of one beyond them."""
+"""Time and memory that a request takes, by the sizes of its arrays, and the refusal of one beyond its bounds."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, default_model, default_models
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
@@ -112,3 +117,180 @@ def _rounded_up(value: float, units: Mapping[str, float]) -> str:
         -1
     ]
     return f"{math.ceil(1.05 * value / units[unit])} {unit}"
+
+
+#: Cam revolutions until a motion repeats, where a case gives no number; time (s) in which a spring alone forgets its start.
+CYCLES, FORGOTTEN = 6, 0.1
+#: Seconds that a run stored whole takes in addition to its steps.
+OVERHEAD = 0.3
+#: Cam revolutions of a search for the critical speeds of one train.
+SEARCH_CYCLES = 400
+#: Numbers of a run at each instant: of its ends, and of each point along a spring.
+AT_ENDS, AT_POINT = 30, 12
+#: The chain of masses; points along a wire of a model without a mesh.
+CHAIN, POINTS = "multi-mass", 100.0
+#: Instants of a cam revolution that are stored; steps of which the forces are, their length (s), seconds that their
+#: evaluation takes, bytes of a step while it runs and as it is stored.
+INSTANTS, MOST_STEPS, STEP, STEP_TIME, STEP_BYTES, STORED_BYTES = 720, 2**20, 2e-6, 1.2e-6, 128.0, 16.0
+#: Bytes of a process beside its arrays, once it has run.
+PROCESS_BYTES = 120e6
+#: Spring at rest: seconds and bytes of one finite element at one height, bytes of a height as it is written, seconds of
+#: one number of two vectors that are made orthogonal.
+HEIGHT_TIME, HEIGHT_BYTES, WRITTEN_BYTES, VECTOR_TIME = 65e-6, 130.0, 2e3, 2.5e-9
+#: Heights to which a request is counted; more are beyond every bound.
+MOST_HEIGHTS = 10**12
+#: A refinement over the runs of its own mesh: time of its variants, memory of its finest mesh.
+VARIANTS, FINER = 13.0, 3.0
+
+
+class Request(Protocol):
+    """A request for a study: engine speeds in rad/s of the crank (None: the case's own), names of
+    models and spring sets.
+    """
+
+    @property
+    def command(self) -> str: ...
+    @property
+    def case(self) -> Case: ...
+    @property
+    def engine_speeds(self) -> tuple[float, ...] | None: ...
+    @property
+    def models(self) -> tuple[str, ...]: ...
+    @property
+    def spring_sets(self) -> tuple[str, ...]: ...
+    @property
+    def workers(self) -> int: ...
+
+
+@dataclass(frozen=True, slots=True)
+class RunRequest:
+    """A request of a program."""
+
+    command: str
+    case: Case
+    engine_speeds: tuple[float, ...] | None
+    models: tuple[str, ...]
+    spring_sets: tuple[str, ...]
+    workers: int
+
+
+def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
+    """(spring models, installed springs) of every part of the study, as
+    :func:`valvetrain.system.build.build` chooses them.
+    """
+    case, models = request.case, request.models
+    if request.command == "compare" and not models:
+        models = COMPARED_ALONE if case.train is None else COMPARED_IN_TRAIN
+    if case.train is None:
+        return [(models or default_models(case.springs), case.springs)]
+    train, sets = case.train, case.train.springs
+    if request.command == "sweep" and not request.spring_sets:
+        return [(models or (train.model_of(name),), sets[name]) for name in train.swept_sets]
+    return [
+        (
+            (variant.spring_model or train.model_of(variant.spring_set),),
+            sets.get(variant.spring_set or train.spring_set, ()),
+        )
+        for variant in train.requested(request.spring_sets, models)
+    ]
+
+
+def mesh_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, float]:
+    """(points along a spring by a model, their number over that by its default options), from its options that count
+    elements, masses or modes.
+    """
+    options, given = spec.options, spring.options_of(spec.word)
+    unused = options.wire_only if spring.wire is None else options.card_only
+    defaults = {
+        name: field.default
+        for name, field in options.model_fields.items()
+        if type(field.default) is int and name not in unused
+    }
+    counts = [float(given.get(name, default)) for name, default in defaults.items()]
+    points = math.prod(counts) if counts else POINTS
+    coils = spring.wire.total_coils if spring.wire is not None and counts else 1.0
+    return points * coils, math.prod(counts) / math.prod(defaults.values())
+
+
+def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
+    """Cost of a request: every model at every speed, its runs stored ``whole`` or without channels; ``searches``: with
+    the critical speeds of a train.
+    """
+    case, train = request.case, request.case.train
+    engine_speeds = request.engine_speeds
+    if engine_speeds is None:
+        engine_speeds = case.operation.engine_speeds
+    if not engine_speeds or case.lift_law is None:
+        return Cost()
+    turns = [4 * math.pi / engine_speed for engine_speed in engine_speeds]
+    cycles = case.operation.cycles if train is None else train.cycles
+    simulated_time = sum(
+        turn * (cycles or min(CYCLES, 1 + math.ceil(FORGOTTEN / turn))) for turn in turns
+    )
+    if searches and train is not None:
+        simulated_time += SEARCH_CYCLES * min(turns)
+    at_a_time, stored, total = max(1, min(request.workers, len(turns))), len(turns) * whole, Cost()
+    steps = 0.0 if train is not None else min(max(turns) / STEP, MOST_STEPS)
+    for models, springs in planned(request):
+        for spec in map(spring_model, models):
+            if not springs or spec.no_motion or any(map(spec.why_not, springs)):
+                continue  # refused, with its reason, where the parts are built
+            meshes = [mesh_of(spec, spring) for spring in springs]
+            work = sum(refinement**2 for _, refinement in meshes)  # more unknowns in shorter steps
+            stepping = simulated_time * spec.processor_time * work
+            seconds = ((OVERHEAD + STEP_TIME * steps) * stored + stepping) / at_a_time
+            run = 8.0 * INSTANTS * (AT_ENDS + AT_POINT * sum(points for points, _ in meshes))
+            at_work = (PROCESS_BYTES + 2 * run + STEP_BYTES * steps) * at_a_time
+            total += Cost(seconds, (run + STORED_BYTES * steps) * stored + at_work)
+    return total
+
+
+def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
+    """Cost of a run-up between two crank speeds (rad/s) in a time (s): that of steady runs over as many revolutions."""
+    first, last, duration = ramp
+    mean = (first + last) / 2
+    if not (mean > 0 and duration > 0):
+        return Cost()  # refused, with its reason, where it begins
+    models, sets = request.models, request.spring_sets
+    steady = request_cost(RunRequest("run-up", request.case, (mean,), models, sets, 1), whole=False)
+    runs = duration * mean / (4 * math.pi) / CYCLES
+    return Cost(steady.seconds * runs, steady.bytes)
+
+
+def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int = 1) -> Cost:
+    """Cost of the error bars of a case at ``engine_speeds`` (rad/s of the crank; None: its own)."""
+    speeds = None if engine_speeds is None else tuple(engine_speeds)
+    models = ("finite-element",) if case.train is None else ()
+    runs = request_cost(RunRequest("run", case, speeds, models, (), workers), whole=False)
+    return Cost(runs.seconds * VARIANTS, runs.bytes * FINER)
+
+
+def static_cost(
+    case: Case,
+    models: Sequence[str] = (),
+    *,
+    spring_sets: Sequence[str] = (),
+    heights: int,
+    modes: int = 0,
+) -> Cost:
+    """Cost of :func:`valvetrain.runs.statics.static_study` at as many ``heights``, those of its curves too."""
+    parts = planned(RunRequest("static", case, None, (), tuple(spring_sets), 1))
+    costs = (
+        spring_cost(spring, model, heights, modes)
+        for spring in dict.fromkeys(spring for _, springs in parts for spring in springs)
+        for model in models or (default_model(spring),)
+    )
+    return sum(costs, Cost())
+
+
+def spring_cost(spring: InstalledSpring, model: str, heights: int, modes: int = 0) -> Cost:
+    """Cost of one spring at rest by one model at as many ``heights``, and of its ``modes``."""
+    spec = spring_model(model, "models")
+    points, _ = mesh_of(spec, spring)
+    heights = min(heights, MOST_HEIGHTS)
+    # a chain has whole matrices, the search for modes of a rod two vectors for each of them
+    unknowns = points if model == CHAIN else 6 * points
+    vectors = unknowns if model == CHAIN else min(2 * modes, unknowns)
+    seconds = HEIGHT_TIME * points * heights + VECTOR_TIME * unknowns * vectors**2
+    size = (WRITTEN_BYTES + HEIGHT_BYTES * points) * heights + 16.0 * unknowns * vectors
+    return Cost(seconds, size)

@@ -13,8 +13,8 @@ from valvetrain.integrate.train_leapfrog import SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.critical_scan import SCAN, Scan
+from valvetrain.runs.error_bars import divided
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
-from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.critical import DAMPING_FACTORS, RPM, RangeMember, SpeedBracket
 from valvetrain.solution.partial_failures import reason

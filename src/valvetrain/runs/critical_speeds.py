@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from valvetrain.integrate.contract import Orbit, Periodic
-from valvetrain.quantities.end_events import PULL
+from valvetrain.quantities.clash import PULL
 from valvetrain.quantities.train_events import counted_losses, drive_forces
 from valvetrain.runs.critical_causes import with_cause
 from valvetrain.runs.critical_ranges import Variant, range_members, variants_of

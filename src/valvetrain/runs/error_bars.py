@@ -19,6 +19,7 @@ from valvetrain.solution.display import verdict_first
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
+from valvetrain.system.problem import Member
 
 #: Factors on the stiffness of contacts, of coils and of the parts of a train: nobody knows it better. Those on
 #: damping are the ones of critical speeds.
@@ -31,6 +32,18 @@ SPRING_HEADLINES = (
     "main_clash_impulse", "clash_energy", "largest_clash_impulse", "peak_clash_force", "surge_clash_peak_force", "peak_shear_stress",
     "outer_peak_shear_stress", "inner_peak_shear_stress",
 )  # fmt: skip
+#: Headline numbers of a train, those that a run has.
+TRAIN_HEADLINES = (
+    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "surge_amplitude_force",
+    "peak_cam_contact_force", "peak_tappet_contact_force", "peak_rocker_contact_force", "peak_valve_tip_contact_force",
+    "peak_seat_contact_force", "nose_cam_contact_force", "minimum_cam_contact_force", "peak_valve_lift", "lift_loss_displacement",
+    "seating_velocity", "seating_cam_angle", "bounce_count", "bounce_height", "loft_gap", "loss_of_contact_duration",
+    "minimum_piston_clearance_gap", "cycle_work_energy", "peak_valve_acceleration", "clash_count", "clash_energy", "largest_clash_impulse",
+)  # fmt: skip
+#: Values below this (SI) are rounding errors: the surge of a spring without mass.
+ROUNDING = 1e-9
+#: Options of spring models that set how finely a spring is divided.
+DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil", "bricks_per_coil")
 #: The variant with the mesh and step of the case.
 OWN = "mesh 1"
 
@@ -242,6 +255,19 @@ def damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
     )
     coils = replace(contact, damping_time=factor * contact.damping_time)
     return replace(spring, damping=wire, contact=coils)
+
+
+def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring divided ``factor`` times as finely, by the options that its kind of data uses."""
+    model = member.model
+    unused = model.options.card_only if spring.card is None else model.options.wire_only
+    options = model.read_options(spring.options_of(model.word)).model_dump()
+    finer = {
+        key: round(factor * options[key])
+        for key in DIVISIONS
+        if key not in unused and options.get(key)
+    }
+    return spring.with_options(model.word, **finer) if finer else spring
 
 
 class RefinementStopped(Stopped):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
-from valvetrain.quantities.end_events import PULL
+from valvetrain.quantities.clash import PULL
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.prepared import FAILURES, largest_lift

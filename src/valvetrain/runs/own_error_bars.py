@@ -15,7 +15,14 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.runs.at_rest import AtRest
-from valvetrain.runs.error_bars import SPRING_HEADLINES, grid_bar
+from valvetrain.runs.error_bars import (
+    DIVISIONS,
+    ROUNDING,
+    SPRING_HEADLINES,
+    TRAIN_HEADLINES,
+    divided,
+    grid_bar,
+)
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -26,8 +33,6 @@ from valvetrain.runs.prepared import (
     statics_of,
     with_quantities,
 )
-from valvetrain.runs.refine_trains import DIVISIONS, ROUNDING, divided
-from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution

@@ -18,10 +18,10 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
+from valvetrain.quantities.limits import ENDED, bound
 from valvetrain.quantities.plausible import REMEDY, implausible
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
-from valvetrain.runs.coil_bind import ENDED, bound
 from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.runs.stopping import noted
 from valvetrain.solution.channels import empty_channels

@@ -16,7 +16,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.clash import ClashWindow, find_clash_window, main_clash_quantities
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.statics import modal_quantities
-from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refuse_cost
+from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refine_cost, refuse_cost
 from valvetrain.runs.error_bars import (
     OWN,
     SPRING_HEADLINES,
@@ -41,18 +41,16 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.refusals import checked_speeds
-from valvetrain.runs.request_cost import refine_cost
 from valvetrain.runs.statics import MODES
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.stored_error_bars import ROD
-from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_statics import modal_result
+from valvetrain.springs.finite_element import FiniteElementRod, modal_result
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem

@@ -12,17 +12,19 @@ from valvetrain.contact.dissipative import damping_number, rebound
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.runs.error_bars import (
     OWN,
+    ROUNDING,
     STIFFNESS_FACTORS,
+    TRAIN_HEADLINES,
     Numbers,
     Stages,
     UncertaintyStudy,
     contact_ranges,
     convergence,
     damped,
+    divided,
     stiffened,
 )
 from valvetrain.runs.prepared import (
@@ -41,26 +43,14 @@ from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import CONSTANTS, Uncertainty
 from valvetrain.system.build import build
-from valvetrain.system.problem import Member, Problem
+from valvetrain.system.problem import Problem
 
 #: Elements, masses or modes of a spring over those of the case; steps over the default one; samples
 #: per cam revolution, half the default.
 SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
-#: Values below this (SI) are rounding errors: the surge of a spring without mass.
-ROUNDING = 1e-9
-#: Options of spring models that set how finely a spring is divided.
-DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil", "bricks_per_coil")
 #: The variant that finite-element springs leave out: their elements and steps would both be 2.25
 #: times as many.
 TOO_FINE = "springs 3"
-#: Headline numbers of a train, those that a run has.
-HEADLINES = (
-    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "surge_amplitude_force",
-    "peak_cam_contact_force", "peak_tappet_contact_force", "peak_rocker_contact_force", "peak_valve_tip_contact_force",
-    "peak_seat_contact_force", "nose_cam_contact_force", "minimum_cam_contact_force", "peak_valve_lift", "lift_loss_displacement",
-    "seating_velocity", "seating_cam_angle", "bounce_count", "bounce_height", "loft_gap", "loss_of_contact_duration",
-    "minimum_piston_clearance_gap", "cycle_work_energy", "peak_valve_acceleration", "clash_count", "clash_energy", "largest_clash_impulse",
-)  # fmt: skip
 
 
 class _Job(NamedTuple):
@@ -219,19 +209,6 @@ def _prepare(problem: Problem, index: int, factor: float) -> PreparedRun | None:
     return prepare(problem, member, member_statics(problem, member), problem.record.study)
 
 
-def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
-    """A spring divided ``factor`` times as finely, by the options that its kind of data uses."""
-    model = member.model
-    unused = model.options.card_only if spring.card is None else model.options.wire_only
-    options = model.read_options(spring.options_of(model.word)).model_dump()
-    finer = {
-        key: round(factor * options[key])
-        for key in DIVISIONS
-        if key not in unused and options.get(key)
-    }
-    return spring.with_options(model.word, **finer) if finer else spring
-
-
 def _is_large(problem: Problem, index: int) -> bool:
     """Whether the springs of a member are too large for many runs."""
     return problem.members[index].model.word == "finite-element"
@@ -264,7 +241,7 @@ def _run(
         return {}, f"{position}: {reason(error)}"
     if not solution.status.completed:
         return {}, f"{position}: {solution.status.sentence()}"
-    names = (*HEADLINES, *(f"cycle_scatter_{name}" for name in HEADLINES))
+    names = (*TRAIN_HEADLINES, *(f"cycle_scatter_{name}" for name in TRAIN_HEADLINES))
     found = solution.quantities
     return {name: float(found[name]) for name in names if name in found}, ""
 
@@ -298,7 +275,7 @@ def _solution(problem: Problem, prepared: PreparedRun, job: _Job, implausible: b
 def _rows(values: Mapping[str, Numbers], speed: float, label: str) -> list[Uncertainty]:
     rows = []
     for name, value in values[OWN].items():
-        if name not in HEADLINES or 0 < abs(value) < ROUNDING:
+        if name not in TRAIN_HEADLINES or 0 < abs(value) < ROUNDING:
             continue
 
         def of(variant: str, name: str = name) -> float | None:

@@ -82,8 +82,9 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
     with what refuses the whole run; ``implausible`` values pass.
     """
     # A sweep of a train never needs these.
-    from valvetrain.runs.statics import default_model, reach_of
+    from valvetrain.runs.statics import reach_of
     from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.system.build import default_model
 
     checked_speeds(problem, None, implausible)
     lift = law_lift(problem)

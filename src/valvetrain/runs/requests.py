@@ -179,7 +179,7 @@ class SpeedRequest(SpringRequest, SteadyRequest):
 
     def cost(self) -> Cost:
         """Estimated time and memory."""
-        from valvetrain.runs.request_cost import RunRequest, request_cost
+        from valvetrain.runs.cost import RunRequest, request_cost
 
         parts = self.models, self.spring_sets, self.worker_count
         costs = RunRequest(self.command, self.case, self.engine_speeds, *parts)
@@ -306,7 +306,7 @@ class RunUp(SpringRequest, ParallelRequest):
 
     def cost(self) -> Cost:
         """Estimated time and memory."""
-        from valvetrain.runs.request_cost import RunRequest, run_up_cost
+        from valvetrain.runs.cost import RunRequest, run_up_cost
 
         parts = self.models, self.spring_sets, self.worker_count
         return run_up_cost(RunRequest(self.command, self.case, None, *parts), self.ramp)
@@ -346,7 +346,7 @@ class Static(SpringRequest):
 
     def cost(self) -> Cost:
         """Estimated time and memory."""
-        from valvetrain.runs.request_cost import static_cost
+        from valvetrain.runs.cost import static_cost
 
         # a load takes some dozen heights to find
         heights = self.steps + len(self.heights) + 12 * len(self.loads)
@@ -399,7 +399,7 @@ class Modes(SpringRequest):
 
     def cost(self) -> Cost:
         """Estimated time and memory."""
-        from valvetrain.runs.request_cost import static_cost
+        from valvetrain.runs.cost import static_cost
         from valvetrain.runs.statics import CURVE_OF_MODES
 
         sizes = {"heights": CURVE_OF_MODES, "modes": self.count}
@@ -414,7 +414,7 @@ class Refine(SteadyRequest):
 
     def cost(self) -> Cost:
         """Estimated time and memory."""
-        from valvetrain.runs.request_cost import refine_cost
+        from valvetrain.runs.cost import refine_cost
 
         return refine_cost(self.case, self.engine_speeds, self.worker_count)
 

@@ -31,9 +31,8 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.refusals import refuse_implausible
 from valvetrain.runs.requests import RunUp, Watch
-from valvetrain.runs.stopping import PointsStopped, StudyStopped
+from valvetrain.runs.stopping import PointsStopped, StudyStopped, shows_progress
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics, preloads
-from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.force_peak import bandwidth_of

@@ -35,24 +35,24 @@ from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve, Sta
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.springs.contract import SpringModel
-from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_channels import static_section_loads, wire_points
-from valvetrain.springs.finite_element_statics import (
+from valvetrain.springs.finite_element import (
+    FiniteElementRod,
     curve_over,
     equilibrium_at,
     modal_result,
     rest_point,
 )
+from valvetrain.springs.finite_element_channels import static_section_loads, wire_points
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import nominal_stress_per_force, wire_stress
-from valvetrain.system.build import build
+from valvetrain.system.build import build, default_model
 from valvetrain.system.problem import Problem
 
 Array = NDArray[np.float64]
 #: Default models of a wire, of a card with a mass and of one without.
-WIRE, CARD, BARE = "finite-element", "modal-uniform", "massless"
+WIRE = "finite-element"
 #: Steps of a static curve, and of one computed along with modes; modes about the installed state.
 STEPS, CURVE_OF_MODES, MODES = 64, 24, 24
 #: Even steps of the path that named numbers are read from: up to the installed state, and from
@@ -223,11 +223,6 @@ def spring_statics(problem: Problem, spring: InstalledSpring, maximum_lift: floa
     if isinstance(model, FiniteElementRod):
         return rod_statics(model, end)
     return statics_by_model(spring, name, model, np.linspace(0.0, end, 33))
-
-
-def default_model(spring: InstalledSpring) -> str:
-    """The model that describes a spring at rest best by the data that it has."""
-    return WIRE if spring.wire else CARD if spring.card and spring.card.mass else BARE
 
 
 def rod_statics(

@@ -29,8 +29,7 @@ from numbers import Integral
 from typing import Any, Protocol, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop, shows_progress
 
 Case = TypeVar("Case")
 Point = TypeVar("Point")

@@ -16,7 +16,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.api import Speeds, simulate
 from valvetrain.runs.statics import static_study
-from valvetrain.runs.watch import shows_progress
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.scan.reconstruct import turned_over
 from valvetrain.scan.result import ScannedSpring

@@ -7,7 +7,7 @@ from valvetrain.solution.netcdf import load_netcdf as load_netcdf
 from valvetrain.solution.netcdf import save_netcdf as save_netcdf
 from valvetrain.solution.quantity import Quantities as Quantities
 from valvetrain.solution.quantity import Quantity as Quantity
+from valvetrain.solution.result import save_csv as save_csv
 from valvetrain.solution.static import StaticCurve as StaticCurve
 from valvetrain.solution.status import Event as Event
 from valvetrain.solution.status import Status as Status
-from valvetrain.solution.textfile import save_csv as save_csv

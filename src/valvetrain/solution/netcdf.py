@@ -187,7 +187,7 @@ def save_result(item: Any, path: _PathLike) -> Path:
     """As :func:`save_netcdf`, to a file that ends in ``.nc``; a solution to a CSV file (``.csv``) as well."""
     target = Path(path)
     if isinstance(item, Solution) and target.suffix == ".csv":
-        from valvetrain.solution.textfile import save_csv
+        from valvetrain.solution.result import save_csv
 
         return save_csv(item, target)
     if target.suffix != ".nc":

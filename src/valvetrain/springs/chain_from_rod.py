@@ -17,8 +17,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import DampingParameters, InstalledSpring
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.finite_element import SPEC as ROD
-from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_statics import equilibrium_at
+from valvetrain.springs.finite_element import FiniteElementRod, equilibrium_at
 
 #: Elements per coil of the rod: force within 0.3 %, first frequency within 0.4 % of 24.
 ELEMENTS_PER_COIL = 12

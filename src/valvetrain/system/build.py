@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.cam.build import build_lift_law
-from valvetrain.cam.contract import LiftLaw
+from valvetrain.cam.contract import LiftLaw, build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.mechanism.build import build_mechanism
@@ -173,6 +172,12 @@ def _spring_members(
         label = _free_label(plain_name(spec.word), [member.label for member in members])
         members.append(Member(label, spec, case.springs, law, rubbing=rubbing, name=case.name))
     return tuple(members)
+
+
+def default_model(spring: InstalledSpring) -> str:
+    """The model that describes a spring at rest best by the data that it has."""
+    of_card = "modal-uniform" if spring.card and spring.card.mass else "massless"
+    return "finite-element" if spring.wire else of_card
 
 
 def default_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:

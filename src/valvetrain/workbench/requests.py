@@ -14,8 +14,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.loading import parse_toml
 from valvetrain.registry import find
-from valvetrain.runs.cost import Cost, Limits, cost_text, refuse_cost
-from valvetrain.runs.request_cost import RunRequest, request_cost
+from valvetrain.runs.cost import Cost, Limits, RunRequest, cost_text, refuse_cost, request_cost
 from valvetrain.units import si_speeds
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files
