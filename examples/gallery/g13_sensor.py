@@ -15,24 +15,21 @@ import valvetrain as vt
 run = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=["multi-mass"], workers=1).solution(
     "multi-mass"
 )
-(seen,) = vt.rig.sensor_response(run, vt.measured.Sensor(bandwidth="1 kHz"), ["seat_force"])
+force, time = run.channel("seat_force"), run.time
+recorded = vt.measured.Sensor(bandwidth="1 kHz").response(time, force, periodic=True)
 
-turn = (seen.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
-recorded = (seen.recorded.time - seen.time[0]) / (seen.time[-1] - seen.time[0]) * 360
+turn = (time - time[0]) / (time[-1] - time[0]) * 360
 spikes = slice(*np.searchsorted(turn, [230, 360]))
-seen_spikes = slice(*np.searchsorted(recorded, [230, 360]))
 print(
-    f"largest spike after closing {seen.values[spikes].max():.0f} N, recorded {seen.recorded.values[seen_spikes].max():.0f} N"
+    f"largest spike after closing {force[spikes].max():.0f} N, recorded {recorded[spikes].max():.0f} N"
 )
 
 # %%
 # The true force and the recorded one over the turn.
 
 figure = go.Figure()
-figure.add_scatter(x=turn, y=seen.values, name="true", line={"color": "#a9cbe6"})
-figure.add_scatter(
-    x=recorded, y=seen.recorded.values, name="by a gauge of 1 kHz", line={"color": "#a33b53"}
-)
+figure.add_scatter(x=turn, y=force, name="true", line={"color": "#a9cbe6"})
+figure.add_scatter(x=turn, y=recorded, name="by a gauge of 1 kHz", line={"color": "#a33b53"})
 figure.update_layout(title="Seat force of the beehive spring at 8000 rpm")
 figure.update_xaxes(title="cam angle from the begin of the cycle (deg)")
 figure.update_yaxes(title="seat force (N)")

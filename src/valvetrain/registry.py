@@ -238,7 +238,6 @@ BUILT_IN["other_rules"] = {
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
     "rig": "valvetrain.rig.rules:RULES",
-    "gauge": "valvetrain.rig.rules:GAUGE_RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",
     "optimise": "valvetrain.explore.optimum_rules:RULES",
     "study": "valvetrain.explore.study_rules:RULES",

@@ -1,11 +1,12 @@
 """Limits: a gauge in closed form: step of a second-order system, gain at the cut-off, half-sine
-through a first order, any sampling.
+through a first order.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
@@ -31,25 +32,19 @@ def test_the_step_of_a_mounted_gauge(damping):
     np.testing.assert_allclose(seen[2:], true[2:], atol=1e-5)
 
 
-def test_stiffness_and_mass_are_the_natural_frequency():
-    gauge = Sensor(mounting_stiffness="40 N/um", moved_mass="10 g", damping_ratio=0.02)
-    assert gauge.resonance == pytest.approx(np.sqrt(40e6 / 0.01) / (2 * np.pi))
-
-
 @pytest.mark.parametrize("kind", ["butterworth", "bessel"])
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
 def test_the_gain_at_the_cut_off_is_3_db(order, kind):
     gauge = Sensor(bandwidth="20 kHz", order=order, filter=kind)
     time = np.linspace(0.0, 16 / 20e3, 6401)
+    poles = signal.bessel(order, 2 * np.pi * 20e3, analog=True, norm="mag")
     for frequency in (5e3, 20e3, 60e3):
         wave = gauge.response(time, np.sin(2 * np.pi * frequency * time), periodic=True)
-        gain = np.sqrt(2 * np.mean(wave[:-1] ** 2))
-        assert gain == pytest.approx(gauge.gain(np.array([frequency]))[0], abs=2e-4)
-        if kind == "butterworth":
-            assert gain == pytest.approx(
-                1 / np.sqrt(1 + (frequency / 20e3) ** (2 * order)), abs=2e-4
-            )
-    assert gauge.gain(np.array([20e3]))[0] == pytest.approx(np.sqrt(0.5))
+        gain = 1 / np.sqrt(1 + (frequency / 20e3) ** (2 * order))
+        if kind == "bessel":
+            gain = float(np.abs(signal.freqs(*poles, [2 * np.pi * frequency])[1][0]))
+        assert np.sqrt(2 * np.mean(wave[:-1] ** 2)) == pytest.approx(gain, abs=2e-4)
+        assert frequency != 20e3 or gain == pytest.approx(np.sqrt(0.5))
 
 
 def spike(time, peak=1430.0, duration=0.05e-3):
@@ -80,35 +75,9 @@ def test_forward_and_backward_has_no_delay_and_squares_the_gain():
     time = np.linspace(-0.2e-3, 0.25e-3, 9001)
     seen = gauge.response(time, spike(time))
     assert time[np.argmax(seen)] == pytest.approx(0.025e-3, abs=2e-7)
-    assert gauge.gain(np.array([20e3]))[0] == pytest.approx(0.5)
-
-
-@pytest.mark.parametrize("points", [901, 1801, 9001])
-def test_the_recorded_peak_does_not_depend_on_the_samples_of_the_model(points):
-    """The same spike told by 100, 200 and 1000 points: what is left is how straight lines between
-    them miss it (their own peak).
-    """
-    gauge = Sensor(
-        bandwidth="20 kHz", natural_frequency="60 kHz", damping_ratio=0.02, sampling_rate="100 kHz"
-    )
-    time = np.linspace(-0.2e-3, 0.25e-3, points)
-    found = gauge.record(time, spike(time))
-    fine = np.linspace(-0.2e-3, 0.25e-3, 45_001)
-    true = gauge.record(fine, spike(fine))
-    assert found.peaks == pytest.approx(
-        true.peaks, rel=2 * (np.pi / 0.05e-3 * (time[1] - time[0])) ** 2 / 8 + 1e-5
-    )
-
-
-def test_the_scatter_of_the_sampling_phase_is_told():
-    gauge = Sensor(bandwidth="20 kHz", sampling_rate="50 kHz")
-    time = np.linspace(-0.1e-3, 0.4e-3, 20_001)
-    low, high = gauge.record(time, spike(time)).peaks
-    every = [gauge.record(time, spike(time), phase).peak for phase in np.arange(0, 1, 1 / 7)]
-    assert low - 1 <= min(every) and max(every) <= high + 1
-    assert 0.7 * high < low < 0.85 * high
-    quick = Sensor(bandwidth="20 kHz", sampling_rate="2 MHz").record(time, spike(time)).peaks
-    assert quick[1] - quick[0] < 0.3
+    tone = np.linspace(0.0, 32 / 20e3, 12_801)
+    wave = gauge.response(tone, np.sin(2 * np.pi * 20e3 * tone), periodic=True)
+    assert np.sqrt(2 * np.mean(wave[:-1] ** 2)) == pytest.approx(0.5, abs=2e-4)
 
 
 def test_a_periodic_trace_has_no_begin():
@@ -124,19 +93,6 @@ def test_a_periodic_trace_has_no_begin():
     np.testing.assert_allclose(gauge.response(turn, one, periodic=True), many[-2001:], atol=2e-4)
 
 
-def test_resolution_rounds_and_an_ideal_gauge_changes_nothing():
-    time = np.linspace(0.0, 1e-3, 101)
-    values = np.sin(2 * np.pi * 1e3 * time)
-    np.testing.assert_array_equal(Sensor().record(time, values).values, values)
-    assert set(np.round(Sensor(resolution=0.5).record(time, values).values * 2) / 2) <= {
-        -1.0,
-        -0.5,
-        0.0,
-        0.5,
-        1.0,
-    }
-
-
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -144,10 +100,8 @@ def test_resolution_rounds_and_an_ideal_gauge_changes_nothing():
         ({"order": 9}, "order is a whole number from 1 to 8"),
         ({"order": True}, "order is"),
         ({"filter": "x"}, "butterworth or bessel"),
-        ({"moved_mass": 1.0}, "belong together"),
         ({"damping_ratio": -1}, "damping_ratio is"),
         ({"natural_frequency": 1e4}, "rings for ever"),
-        ({"natural_frequency": 1e4, "mounting_stiffness": 1e6, "moved_mass": 0.1}, "not both"),
         ({"bandwidth": "2 N"}, "a frequency"),
     ],
 )
@@ -180,7 +134,7 @@ def test_a_causal_gauge_is_late_by_the_delay_of_its_filter(order, sum_of_damping
     bandwidth: 0.46 ms of order 4 at 900 Hz.
     """
     time = np.linspace(0.0, 0.05, 50_001)
-    seen = Sensor(bandwidth=900.0, order=order).record(time, 1000.0 * time)
-    assert time[-1] - seen.values[-1] / 1000.0 == pytest.approx(
+    seen = Sensor(bandwidth=900.0, order=order).response(time, 1000.0 * time)
+    assert time[-1] - seen[-1] / 1000.0 == pytest.approx(
         sum_of_damping / (2 * np.pi * 900.0), rel=1e-6
     )

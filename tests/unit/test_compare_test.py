@@ -320,11 +320,6 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
         ({"quantity": "valve_lift"}, {}, "gives valve_lift in N, the model in m"),
         ({}, {"level": 0.0}, "no chance"),
         ({}, {"fitted": -1}, "no number of fitted parameters"),
-        (
-            {},
-            {"sensor": Sensor(bandwidth="9 kHz", sampling_rate="50 kHz")},
-            "compared at its own angles",
-        ),
         ({}, {"channel": 3}, "holds 1 channels"),
         ({}, {"shared": "2 mm"}, "no error of a quantity in N"),
         ({}, {"shared": "2 N, 3 N"}, "the second offset"),

@@ -109,14 +109,6 @@ def test_a_recording_gives_the_lift_that_was_recorded(answer, words, expected):
     assert found["quantities"]["largest_valve_lift"]["value"] == pytest.approx(PEAK_LIFT, rel=2e-3)
 
 
-def test_a_sensor_without_speeds_takes_those_of_the_case(answer):
-    words = ("--model", "massless", "--bandwidth", "1 kHz", "--json")
-    found = json.loads(answer("rig", "--case", "pair.toml", *words))["quantities_by_label"]
-    assert list(found) == ["massless, 4000 rpm", "massless, 5000 rpm"]
-    for run in found.values():  # preloads and rates of both springs at 9 mm of lift
-        assert run["true_peak_retainer_force"]["value"] == pytest.approx(340 + 46 * 9, rel=1e-6)
-
-
 def test_nested_springs_of_a_card_add_up(answer):
     words = ("--model", "massless", "--json", "--no-report")
     found = json.loads(answer("run", "pair.toml", *words))

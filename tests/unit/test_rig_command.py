@@ -1,6 +1,4 @@
-"""The command rig: tables, pages, files and JSON of a recording and of a gauge; what it asks and
-refuses.
-"""
+"""The command rig: tables, pages, files and JSON of a recording; what it asks and refuses."""
 
 from __future__ import annotations
 
@@ -84,9 +82,7 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ((), "give the recording as a file"),
         (("none.csv",), "cannot be read"),
-        (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
         (("rig.csv", "--unit", "spring_force"), "is no pair"),
         (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
         (("rig.csv", "--angle-of", "x"), "--angle-of is cam or crank"),
@@ -113,38 +109,9 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
             ("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"),
             "the shunt of spring_force",
         ),
-        (("--case", "job-t", "--sensor", "colour=3"), "is no property of a gauge"),
-        (("--case", "job-t", "--sensor", "order=x"), "order is a number"),
-        (("--case", "job-t", "--sensor", "bandwidth=1 kHz", "--bandwidth", "1 kHz"), "given twice"),
     ],
 )
 def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):
     monkeypatch.chdir(folder)
     out = call("rig", *words)
     assert out.exit_code == 2 and sentence in " ".join(out.output.split()), out.output
-
-
-def test_a_gauge_sees_a_case(tmp_path):
-    words = typed(
-        "--case job-t --rpm '6000 rpm' --model multi-mass --bandwidth '400 Hz' --sampling-rate '4 kHz'"
-    )
-    out = call("rig", *words, "--output", str(tmp_path / "seen"), "--json")
-    assert out.exit_code == 0, out.output
-    data = json.loads(out.stdout)
-    assert {one["channel"] for one in data["seen"]} == {"retainer_force", "seat_force"}
-    for one in data["seen"]:
-        assert (
-            one["recorded_peaks"][0]
-            <= one["recorded_peak"]
-            <= one["recorded_peaks"][1]
-            < one["true_peak"]
-        )
-    assert len(list((tmp_path / "seen").glob("seen-*.csv"))) == 2
-    shown = call("rig", *words, "--output", str(tmp_path / "seen2")).output
-    assert "Butterworth low-pass of order 4 at 0.4 kHz; sampled at 4 kHz" in shown
-
-
-def test_a_channel_that_a_run_lacks_is_named():
-    (run,) = vt.simulate("job-t", "3000 rpm", models=["massless"]).solutions
-    with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
-        vt.rig.sensor_response(run, vt.measured.Sensor(), ["lift"])

@@ -340,17 +340,15 @@ def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
     return models
 
 
-#: Words of --sensor -> what they are.
-SENSOR_KEYS = (
-    "bandwidth", "order", "filter", "zero_phase", "natural_frequency", "mounting_stiffness", "moved_mass", "damping_ratio", "sampling_rate",
-    "resolution",
-)  # fmt: skip
+#: Words of --sensor -> how they are read.
+SENSOR_KEYS: dict[str, Callable[[str], Any]] = {
+    "bandwidth": str, "order": int, "filter": str, "zero_phase": {"yes": True, "no": False}.__getitem__, "natural_frequency": str,
+    "damping_ratio": float,
+}  # fmt: skip
 
 
-def read_sensor(bandwidth: str | None, sentence: str | None, sampling_rate: str | None) -> Sensor:
-    """The gauge of ``--bandwidth``, ``--sampling-rate`` and ``--sensor 'KEY=VALUE, ...'``. Raises
-    :class:`InputError` for other words.
-    """
+def read_sensor(bandwidth: str | None, sentence: str | None) -> Sensor:
+    """The gauge of ``--bandwidth`` and ``--sensor 'KEY=VALUE, ...'``. Raises :class:`InputError` for other words."""
     from valvetrain.measured.sensor import Sensor
 
     given: dict[str, Any] = {}
@@ -364,28 +362,18 @@ def read_sensor(bandwidth: str | None, sentence: str | None, sampling_rate: str 
                 f"'{part.strip()[:40]}' is no property of a gauge; use KEY=VALUE with {', '.join(SENSOR_KEYS)}",
                 "--sensor",
             )
-        given[key] = _sensor_value(key, value)
-    for key, text in (("bandwidth", bandwidth), ("sampling_rate", sampling_rate)):
-        if text is not None:
-            if key in given:
-                raise InputError(f"{key} is given twice; give it once", "--sensor")
-            given[key] = text
-    return Sensor(**given)
-
-
-def _sensor_value(key: str, value: str) -> Any:
-    if key == "zero_phase":
-        if value.lower() not in ("yes", "no", "true", "false"):
-            raise InputError(f"zero_phase is yes or no, not '{value[:20]}'", "--sensor")
-        return value.lower() in ("yes", "true")
-    if key in ("order", "damping_ratio", "resolution"):
         try:
-            return int(value) if key == "order" else float(value)
-        except ValueError as error:
+            given[key] = SENSOR_KEYS[key](value)
+        except (ValueError, KeyError) as error:
+            kind = "yes or no" if key == "zero_phase" else "a number"
             raise InputError(
-                f"{key} is a number, not '{value[:20]}'; correct it", "--sensor"
+                f"{key} is {kind}, not '{value[:20]}'; correct it", "--sensor"
             ) from error
-    return value
+    if bandwidth is not None:
+        if "bandwidth" in given:
+            raise InputError("bandwidth is given twice; give it once", "--sensor")
+        given["bandwidth"] = bandwidth
+    return Sensor(**given)
 
 
 #: What ``--elements-per-coil`` sets in the table of every spring.

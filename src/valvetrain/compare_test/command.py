@@ -94,7 +94,7 @@ def compare_test(
     repeated += [part for name, value in answers.items() for part in (ASKED[name][0], str(value))]
     repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
     bandwidth, words = answers.pop("bandwidth", None), answers.pop("sensor", None)
-    gauge = read_sensor(bandwidth, words, None) if bandwidth or words else None
+    gauge = read_sensor(bandwidth, words) if bandwidth or words else None
     chosen = choose_case(case, settings, elements_per_coil)
     measured = read_test(test, answers.get("quantity", ""), answers.pop("channel", 0))
     announce_runs(chosen)

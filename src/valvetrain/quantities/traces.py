@@ -65,14 +65,7 @@ class Trace:
         return found
 
     def through(self, sensor: Sensor) -> Trace:
-        """What a gauge shows of it before it is sampled, turn after turn. Raises
-        :class:`InputError` for one that samples or rounds.
-        """
-        if sensor.sampling_rate is not None or sensor.resolution:
-            raise InputError(
-                "a test is compared at its own angles; leave sampling_rate and resolution of the gauge out",
-                "sensor",
-            )
+        """What a gauge shows of it, turn after turn."""
         angle = np.append(self.cam_angle, self.cam_angle[0] + _TURN)
         seen = sensor.response(
             angle * self.time / _TURN, np.append(self.values, self.values[0]), periodic=True

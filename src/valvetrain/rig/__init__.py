@@ -1,8 +1,7 @@
-"""``valvetrain rig``: recordings of a test rig as cycles over the cam angle, and runs as a gauge
-records them.
+"""``valvetrain rig``: recordings of a test rig as cycles over the cam angle.
 
 ``cycles.py`` has the steps from file to result (begin there), each in a file of its own: ``reader.py`` with the
-formats, ``channels.py``, ``shaft.py``, ``cutting.py``, ``alignment.py``; ``gauge.py`` has the gauge.
+formats, ``channels.py``, ``shaft.py``, ``cutting.py``, ``alignment.py``.
 """
 
 from valvetrain.lazy import public_names

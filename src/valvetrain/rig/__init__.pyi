@@ -1,4 +1,3 @@
 from valvetrain.rig.channels import RigAnswers as RigAnswers
 from valvetrain.rig.cycles import rig_cycles as rig_cycles
-from valvetrain.rig.gauge import sensor_response as sensor_response
 from valvetrain.rig.result import RigResult as RigResult

@@ -1,16 +1,15 @@
-"""Rules on a recording (T1) and on what a gauge records of a run (T15): whether it can be used, doubts first."""
+"""Rules on a recording (T1): whether it can be used, doubts first."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from valvetrain.findings.engine import Fields, Hit, Rule, Subject
-from valvetrain.findings.words import Amount, Phrase, digits_text, joined, speed_text
-from valvetrain.rig.gauge import ChannelResponse
+from valvetrain.findings.words import Amount, Phrase, joined, speed_text
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.solution.definition import label_of
 
@@ -18,8 +17,6 @@ from valvetrain.solution.definition import label_of
 ALIKE, SPEED_RANGE, DRIFT = 0.5, 0.05, 0.02
 #: Angle between both flanks (rad of cam), and share by which the measured lift is off that of the case, above which it is said.
 FLANKS, GAIN = np.radians(0.5), 0.03
-#: Share within which a peak is recorded whole.
-WHOLE = 0.005
 
 
 @dataclass(frozen=True)
@@ -59,24 +56,6 @@ class RigFacts(Subject):
         return [
             one for one in self.result.channels if abs(one.drift) > DRIFT * np.ptp(one.cycles.mean)
         ]
-
-
-@dataclass(frozen=True)
-class GaugeFacts(Subject):
-    """Runs of the case ``name`` as a gauge records them, as rules and figures read them."""
-
-    responses: Sequence[ChannelResponse]
-    name: str
-
-    @property
-    def case(self) -> str:
-        """What a command takes for the case."""
-        return self.name
-
-    @property
-    def worst(self) -> list[ChannelResponse]:
-        """Runs and channels, those first that lose most."""
-        return sorted(self.responses, key=lambda response: response.share[0])
 
 
 def clipped(facts: RigFacts) -> Iterator[Hit]:
@@ -169,34 +148,6 @@ def synthetic(facts: RigFacts) -> Iterator[Hit]:
         yield Hit()
 
 
-def recorded(facts: GaugeFacts) -> Iterator[Hit]:
-    """What the gauge records of the peak of which it loses most."""
-    for one in facts.worst[:1]:
-        yield Hit(fields={
-            "channel": label_of(one.channel), "true": Amount(one.channel, one.true_peak), "seen": Amount(one.channel, one.recorded_peak),
-            "share": f"{100 * (1 - sum(one.share) / 2):.2g} %", "at": speed_text(one.engine_speed), "whole": f"{100 * WHOLE:g} %"
-        })  # fmt: skip
-
-
-def lowered(facts: GaugeFacts) -> Iterator[Hit]:
-    """The gauge lowers or raises a peak."""
-    if any(abs(sum(one.share) / 2 - 1) >= WHOLE for one in facts.worst[:1]):
-        yield from recorded(facts)
-
-
-def coarse(facts: GaugeFacts) -> Iterator[Hit]:
-    """A run is computed too coarsely for a gauge, so that a spike may be between its points."""
-    found = [one for one in facts.responses if one.coarse]
-    if found:
-        step = digits_text(1e6 * max(one.spacing for one in found))
-        yield Hit(
-            fields={
-                "channels": joined(sorted({label_of(one.channel) for one in found})),
-                "step": f"{step} µs",
-            }
-        )
-
-
 AGAINST = "valvetrain compare-test {case} --test {test}"
 SPAN = "cut the recording to the part that is steady: --span '2, 5 s'"
 COMPARE = "add --case CASE, then compare a model with the cycles"
@@ -221,11 +172,4 @@ RULES = (
     Rule("T112", "warns", "the lift is not that of the case[: its flanks are {apart} apart][, {share}]", other_lift,
          step="check calibration, lash and cam, or whether the valve leaves the cam"),
     Rule("T113", "warns", "the recording is synthetic: it was computed, not measured", synthetic)
-)  # fmt: skip
-GAUGE_RULES = (
-    Rule("T151", "decides", "the gauge misses {share} of the {channel} at {at}: {seen} of {true}", lowered,
-         step="take a gauge of a higher band, or a higher sampling rate", guide=GUIDE),
-    Rule("T152", "decides", "the gauge records every peak within {whole}", recorded, (), "least of the {channel}: {seen} of {true}",
-         "record with it, then: valvetrain rig FILE --case {case}", mark="ok", unless=("T151",), guide=GUIDE),
-    Rule("T153", "warns", "{channels}: a point every {step} is coarse for this gauge; a spike may be between points", coarse)
 )  # fmt: skip
