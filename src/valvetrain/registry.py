@@ -202,7 +202,7 @@ BUILT_IN["samplers"] = {
     "sobol": "valvetrain.explore.samplers:SOBOL_SPEC",
     "monte-carlo": "valvetrain.explore.samplers:MONTE_CARLO_SPEC",
     "saltelli": "valvetrain.explore.samplers:SALTELLI_SPEC",
-    "posterior": "valvetrain.explore.posterior_draws:POSTERIOR_SPEC",
+    "posterior": "valvetrain.explore.identified:POSTERIOR_SPEC",
 }
 BUILT_IN["sources"] = {
     key: f"valvetrain.sources.contract:{key.upper()}"

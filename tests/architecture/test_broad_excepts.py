@@ -16,7 +16,7 @@ KNOWN = {
     "cli/progress.py:_compiled": "the kernel counts as not compiled: an estimate of time",
     "compiled.py:KernelCache.load_overload": "the kernel is compiled again",
     "explore/evaluate.py:evaluate": "a point with the status refused and no number",
-    "explore/point_bars.py:bars_of": "no error bars of the point",
+    "explore/evaluate.py:bars_of": "no error bars of the point",
     "explore/observe.py:Observed.evaluate": "a point with the status refused and no number",
     "parameters/own_parts.py:_object": "a part that equals no other",
     "views/motion/scene.py:moving_picture": "a note that the run is not drawn",

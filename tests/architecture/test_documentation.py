@@ -18,7 +18,7 @@ from valvetrain.cli.main import app
 
 DOCS = ROOT / "docs"
 #: Pages that a build writes.
-WRITTEN = {"quantities", "plausible", "defaults"}
+WRITTEN = {"quantities", "plausible", "defaults", "error-bars"}
 BUILT = {"commands", "api/index", "gallery/index", "notebooks/index", *WRITTEN}
 PAGES = sorted(
     path for path in DOCS.rglob("*.md") if "_site" not in path.parts and path.stem not in WRITTEN

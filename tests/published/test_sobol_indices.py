@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore.samplers import sampler
-from valvetrain.explore.sensitivity import sensitivity_of
+from valvetrain.explore.samplers import sampler, sensitivity_of
 from valvetrain.explore.space import Uniform, Varied
 
 NAMES = ("first", "second", "third")

@@ -13,6 +13,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.explore.outputs import Run
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.facts import with_code
@@ -79,7 +80,7 @@ def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_ref
     (run,) = vt.simulate(case, "2000 rpm", models="reduced-rod", workers=1).solutions
     assert run.status.code == "refused" and "too few equilibria" in run.status.message
     # A table of points has no facts: a point is by the model of its neighbours or is none.
-    point = Point(case, (), 200.0, request=PointRequest(("peak_spring_force",)))
+    point = Point(case, (), Run(200.0), request=PointRequest(("peak_spring_force",)))
     outcome = evaluate(point)
     assert outcome.status.code == "refused" and "too few equilibria" in outcome.status.message
     assert not outcome.values

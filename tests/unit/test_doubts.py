@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.explore.point_bars import doubts
+from valvetrain.explore.evaluate import doubts
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text

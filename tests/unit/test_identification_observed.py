@@ -13,8 +13,9 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
-from valvetrain.explore.measurements import Station, Target
+from valvetrain.explore.measurements import Target
 from valvetrain.explore.observe import Observed, numbers_of
+from valvetrain.explore.outputs import Run
 from valvetrain.parameters.toml_text import toml_text
 
 WIRE = {
@@ -87,7 +88,7 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
     )
     height = request.case.springs[0].wire.free_length - 8e-3
-    load = Target(Station(None, "multi-mass"), "load", "", height)
+    load = Target(Run(None, "multi-mass"), "load", "", height)
     assert numbers_of(request.case, (load.station,), [load])[load.key] == pytest.approx(
         curve.force_at("8 mm"), rel=1e-9
     )

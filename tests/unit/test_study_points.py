@@ -15,7 +15,7 @@ from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.outputs import Outputs
+from valvetrain.explore.outputs import Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Space, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
@@ -210,9 +210,7 @@ def point(case, model, engine_speed, outputs=(), values=(), spring_set="", rest_
     return Point(
         case,
         tuple(values),
-        engine_speed,
-        model,
-        spring_set,
+        Run(engine_speed, model, spring_set),
         PointRequest(tuple(outputs), rest_model),
     )
 

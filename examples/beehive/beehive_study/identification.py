@@ -19,7 +19,7 @@ from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.errors import InputError
-from valvetrain.explore.evaluator import PointEvaluator
+from valvetrain.explore.identification_file import PointEvaluator
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.parameters.loading import load_case

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case
-from valvetrain.explore.evaluate import Point, evaluate
+from valvetrain.explore.evaluate import Point, bars_of, evaluate
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
@@ -31,7 +31,7 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
-from valvetrain.units import format_quantity
+from valvetrain.solution.uncertainty import Uncertainty
 
 Array = NDArray[np.float64]
 #: Jobs that are submitted at a time, which bounds memory and the wait for any of them.
@@ -133,7 +133,7 @@ class Evaluation(Computation):
         assert self.case is not None
         numbers = tuple(map(float, values))
         pairs = tuple(zip(self.space, numbers, strict=bool(numbers)))
-        return Point(self.case, pairs, *run, self.outputs.request)
+        return Point(self.case, pairs, Run(*run), self.outputs.request)
 
     def evaluate(self, values: Iterable[float], run: Run) -> Outcome:
         """The outcome of one point, bit-identical to a run of the case with these values."""
@@ -149,6 +149,10 @@ class Evaluation(Computation):
         if not isinstance(numbers, Mapping):
             numbers = dict(zip(names, np.atleast_1d(numbers).tolist(), strict=True))
         return Outcome(values={name: float(numbers[name]) for name in names if name in numbers})
+
+    def error_bars(self, values: Iterable[float], run: Run) -> tuple[Uncertainty, ...]:
+        """Error bars of the numbers of a point; none of a function."""
+        return () if self.case is None else bars_of(self.point(values, run))
 
     def rows(self, draws: Array) -> Iterator[tuple[Array, Run]]:
         """Every draw at every run, in the order of the rows of the result."""
@@ -173,9 +177,7 @@ class Evaluation(Computation):
         """
         if len(self.runs) == 1:
             return name
-        speed = [] if run[0] is None else [format_quantity(run[0], "rpm")]
-        where = ", ".join([*speed, *filter(None, run[1:])])
-        return f"{where}: {name}" if where else name
+        return ": ".join(filter(None, (run.label, name)))
 
 
 def with_case_units(case: Case, space: Space) -> Space:

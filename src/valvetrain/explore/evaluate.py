@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.outputs import DRIVE_FORCE, Outcome
+from valvetrain.explore.outputs import DRIVE_FORCE, Outcome, Run
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -34,6 +36,8 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
+from valvetrain.runs.requests import Run as RunOfCase
+from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
 from valvetrain.solution.definition import ADDED, NESTED, PAIR
@@ -41,6 +45,7 @@ from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -49,12 +54,13 @@ from valvetrain.system.problem import Member, Problem, Rest
 #: Steps of a static curve by a spring model; named numbers come from a path of their own and do not
 #: depend on it.
 CURVE_STEPS, MODES = 24, 12
+#: Points whose cases are made again to count what is doubtful.
+MAX_POINTS = 300
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point: a case, its varied quantities with their values (SI), the engine speed (rad/s of
-    the crank; None for static quantities), spring model and spring set (empty: the case's own).
+    """One point: a case, its varied quantities with their values (SI), and its run.
 
     >>> import valvetrain as vt
     >>> Point(vt.load_case("job-t"), ((Varied(ENGINE_SPEED, "rpm"), 300.0),)).speed
@@ -63,9 +69,7 @@ class Point:
 
     case: Case
     values: tuple[tuple[Varied, float], ...] = ()
-    engine_speed: float | None = None
-    spring_model: str = ""
-    spring_set: str = ""
+    run: Run = Run()
     request: PointRequest = PointRequest()
 
     @property
@@ -73,7 +77,7 @@ class Point:
         """Engine speed (rad/s), the varied one where it is varied."""
         return next(
             (value for varied, value in self.values if varied.key == ENGINE_SPEED),
-            self.engine_speed,
+            self.run.engine_speed,
         )
 
 
@@ -82,12 +86,12 @@ def evaluate(point: Point) -> Outcome:
     exception.
 
     >>> import valvetrain as vt
-    >>> point = Point(vt.load_case("job-c"), engine_speed=400.0, spring_model="massless", request=PointRequest(("peak_spring_force",)))
+    >>> point = Point(vt.load_case("job-c"), run=Run(400.0, "massless"), request=PointRequest(("peak_spring_force",)))
     >>> evaluate(point).status.code
     'completed'
     """
     try:
-        # what is doubtful of points is counted once, by explore/point_bars.py, not reported by each
+        # what is doubtful of points is counted once, by :func:`doubts`, not reported by each
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
             case = vary(point.case, dict(point.values))
         return evaluate_case(case, point)
@@ -99,10 +103,7 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building
     and running raises.
     """
-    models, sets = (
-        tuple(word for word in (text,) if word) for text in (point.spring_model, point.spring_set)
-    )
-    problem = build(case, spring_models=models, spring_set=sets)
+    problem = build(case, spring_models=point.run.models, spring_set=point.run.spring_sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         lift = _remembered(case.lift_law)
         members = tuple(replace(member, valve_lift=lift) for member in problem.members)
@@ -236,3 +237,48 @@ def _train(
         rest = {spring: spring_statics(problem, spring, lift) for spring in springs}
         values |= _still(problem, member, rest, lift, request)
     return status, values
+
+
+def bars_of(point: Point) -> tuple[Uncertainty, ...]:
+    """Error bars of the numbers of a point; none of a spring at rest and of what cannot run."""
+    if point.speed is None or not point.request.motion:
+        return ()
+    run = point.run
+    try:
+        with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
+            case = vary(point.case, dict(point.values))
+        study = run_study(RunOfCase(
+            case=case, engine_speeds=(point.speed,), models=run.models, spring_sets=run.spring_sets, workers=1, compute=("error_bars",),
+        ))  # fmt: skip
+    except FAILURES:
+        return ()
+    return study.error_bars.rows
+
+
+def doubts(
+    case: Case | None,
+    varied: Sequence[Varied],
+    draws: NDArray[np.float64] | Sequence[Sequence[float]],
+) -> dict[int, str]:
+    """Those of the first :data:`MAX_POINTS` ``draws`` (n, d; SI) that have doubtful values which the case itself has not:
+    place -> its first warning. A function has none.
+
+    >>> import valvetrain as vt
+    >>> case, height = vt.load_case("vaz-ohc"), Varied("train.springs.nested-cards.0.rate", "N/mm")
+    >>> doubts(case, (height,), [[17e3]])
+    {}
+    """
+    own = list(draws)[:MAX_POINTS]
+    found: dict[int, str] = {}
+    for point, draw in enumerate(own if case is not None else ()):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                assert case is not None
+                vary(case, dict(zip(varied, map(float, draw), strict=True)))
+            except InputError:
+                continue  # a point that cannot be built is reported as that
+        texts = [str(one.message) for one in caught if one.category is UnusualValueWarning]
+        if new := [text for text in texts if text.startswith("at ")]:
+            found[point] = new[0]
+    return found

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.posterior import Datum
-    from valvetrain.explore.sensitivity import Sensitivity
+    from valvetrain.explore.samplers import Sensitivity
 
 
 class Experiment(Evaluation):

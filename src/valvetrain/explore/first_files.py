@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case, vary
-from valvetrain.explore.sensitivity import ENOUGH_ROWS
+from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import inline

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -10,7 +11,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from valvetrain.errors import InputError
-from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -252,3 +252,23 @@ def _search(given: dict[str, Any]) -> Search:
         return Search(**given)
     except InputError as error:
         raise problem(error.reason, (error.where,)) from None
+
+
+@dataclass(frozen=True)
+class PointEvaluator:
+    """What a package lists under ``valvetrain.evaluators``.
+
+    ``points(names, options)``: for the unknown quantities of those names, a function of their
+    values (SI) that returns numbers by name (SI), None for an impossible point; it pickles. Raises
+    :class:`InputError` for a name or an option that is none. ``values(names)``: a start.
+
+    >>> square = PointEvaluator(lambda names, options: lambda values: {"area": values[0] ** 2}, lambda names: (2.0,))
+    >>> square.points(["side"], {})([3.0])
+    {'area': 9.0}
+    """
+
+    points: Callable[
+        [Sequence[str], Mapping[str, float]],
+        Callable[[Sequence[float]], Mapping[str, float] | None],
+    ]
+    values: Callable[[Sequence[str]], tuple[float, ...]]

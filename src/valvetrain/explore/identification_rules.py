@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from valvetrain.explore.fit import MET, ON_BOUND
 from valvetrain.explore.identified import Branch, Identified, Predicted
+from valvetrain.explore.least_squares import MET, ON_BOUND
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import digits_text, joined

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -14,15 +14,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import even_draws
-from valvetrain.explore.fit import Fit, Information
+from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
+from valvetrain.explore.space import Space, Varied
+from valvetrain.parameters.changes import nearest
+from valvetrain.solution.atomic import checked_content
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.display import verdict_first
-from valvetrain.solution.netcdf import write_image
+from valvetrain.solution.netcdf import dataset_of, write_image
 from valvetrain.solution.saveable import Reported
 from valvetrain.units import dimension_of
 
@@ -235,3 +240,59 @@ class Identified(Reported):
 
     def __repr__(self) -> str:
         return verdict_first(self, [f"Identified by {self.method}: {', '.join(self.names)}"])
+
+
+_NO_DRAWS = "holds no draws of an identification; give draws.nc of its folder"
+
+
+class PosteriorOptions(CountedOptions):
+    """Options of the draws of a posterior."""
+
+    file: str = Field(default="", description="draws.nc of an identification")
+
+
+def _first_posterior(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+    """Draws (count, d) in SI of equal weight, every quantity by its label or name."""
+    assert isinstance(options, PosteriorOptions)
+    if isinstance(varied, Space) and varied.correlation is not None:
+        raise InputError(
+            "the draws of a posterior are correlated as they are; leave correlation out", "points"
+        )
+    columns, weights = read_draws(Path(options.file))
+    chosen = []
+    for one in varied:
+        name = next((name for name in (one.label, one.name) if name in columns), None)
+        if name is None:
+            raise InputError(
+                f"the draws have no '{one.shown_name[:60]}'; {nearest(one.shown_name, tuple(columns))}",
+                "points.file",
+            )
+        chosen.append(columns[name])
+    places, counts = even_draws(weights / weights.sum(), options.count, options.seed)
+    return np.repeat(np.column_stack(chosen)[places], counts, axis=0)
+
+
+def read_draws(path: Path) -> tuple[dict[str, Array], Array]:
+    """Values (SI) by quantity and weights of a file of draws. Raises :class:`InputError` for another
+    file, or one whose bytes are not those that were written.
+    """
+    if not checked_content(path)[1]:
+        raise InputError(_NO_DRAWS, str(path))
+    dataset = dataset_of(path)
+    columns = {
+        str(one.attrs["long_name"]): np.asarray(one.values, dtype=float)
+        for one in dataset.data_vars.values()
+        if one.attrs.get("role") == QUANTITY
+    }
+    if not columns or "weight" not in dataset:
+        raise InputError(_NO_DRAWS, str(path))
+    return columns, np.asarray(dataset["weight"].values, dtype=float)
+
+
+POSTERIOR_SPEC = SamplerSpec(
+    "posterior",
+    "draws of a posterior",
+    PosteriorOptions,
+    _first_posterior,
+    independent=True,
+)

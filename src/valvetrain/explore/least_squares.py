@@ -1,16 +1,19 @@
-"""The most probable point by scipy's bounded least squares from several starts.
+"""The most probable point by scipy's bounded least squares from several starts, what the data determine there, and how well they are met.
 
 Differences are batches of points, so they run side by side; the path does not depend on how many do.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
+from scipy.special import chdtrc
 
 from valvetrain.errors import InputError
 from valvetrain.explore.posterior import Numbers, Posterior
@@ -21,6 +24,23 @@ Array = NDArray[np.float64]
 FIRST_STEP, LATER_STEP, MIN_STEP = 0.03, 0.1, 1e-5
 #: Relative change of misfit or point, and slope, below which a search ends.
 TOLERANCE = 1e-6
+#: With a p value below this the model is reported as unable to meet the data, which happens to one correct model in a
+#: hundred.
+REFUSED = 0.01
+#: Degrees of freedom below which nothing is left to test.
+NOTHING_LEFT = 0.5
+#: A quantity is on its bound within this share of the prior's deviation.
+ON_BOUND = 1e-6
+#: Posterior correlation beyond which two quantities are one, and information (over the prior's)
+#: that each would have were the other known.
+TWINS, KNOWN_ALONE = 0.9, 4.0
+#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
+#: wide prior is knowledge all the same.
+OPEN = 0.4
+#: Least part of a combination that makes a quantity a member of its group.
+NAMED = 0.3
+#: Scatters within which a datum is met.
+MET = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,3 +140,103 @@ def best_starts(posterior: Posterior, count: int, keep: int, seed: int) -> Array
             f"none of {count} starts can be computed; narrow the priors to what is possible"
         )
     return tried[possible[:keep]]
+
+
+@dataclass(frozen=True, eq=False)
+class Information:
+    """``determined`` (quantities): share of the prior's variance that the data remove. ``groups``: places of quantities of
+    which the data determine a combination only.
+    """
+
+    determined: Array
+    groups: tuple[tuple[int, ...], ...]
+
+
+def information_of(posterior: Posterior, jacobian: Array) -> Information:
+    """From the slopes (used data, quantities) at the likeliest point."""
+    covariance = posterior.remaining(jacobian)
+    return Information(1.0 - np.diag(covariance), _groups(jacobian, covariance))
+
+
+def _groups(jacobian: Array, covariance: Array) -> tuple[tuple[int, ...], ...]:
+    """Pairs that are one, then larger groups of which a combination is left to the priors."""
+    alone, vague = np.sum(jacobian**2, axis=0), np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(vague, vague)
+    found: list[tuple[int, ...]] = [
+        pair
+        for pair in itertools.combinations(range(len(vague)), 2)
+        if np.all(alone[list(pair)] > KNOWN_ALONE)
+        and abs(correlation[pair]) > TWINS
+        and np.any(vague[list(pair)] > OPEN)
+    ]
+    paired = {place for pair in found for place in pair}
+    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    for value, vector in zip(values, vectors.T, strict=True):
+        large = np.flatnonzero(np.abs(vector) > NAMED).tolist()
+        if value < 1.0 and len(large) > 2 and set(large) - paired:
+            if np.all(alone[large] > KNOWN_ALONE):
+                found.append(tuple(large))
+                paired |= set(large)
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """``chi_square`` of the residuals and the pulls of the priors with its degrees of ``freedom``;
+    ``p_value``: how often a correct model has a larger one, NaN where no freedom is left.
+
+    >>> round(Fit(470.0, 38.0, 0.0).widening, 2)
+    3.52
+    """
+
+    chi_square: float
+    freedom: float
+    p_value: float
+
+    @property
+    def missed(self) -> bool:
+        """Whether the model cannot meet the data."""
+        return self.p_value < REFUSED
+
+    @property
+    def widening(self) -> float:
+        """Factor on the scatter of all data that makes the misfit the expected one (R. T. Birge,
+        Physical Review 40 (1932) 207); 1 where the model meets them.
+        """
+        if not self.missed:
+            return 1.0
+        return math.sqrt(max(self.chi_square / max(self.freedom, 1.0), 1.0))
+
+
+def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array) -> Fit:
+    """The fit at the likeliest point ``work`` (quantities) by the slopes there (data, quantities).
+
+    Every datum and every normal prior counts one degree of freedom; every quantity takes one, a flat
+    one as far as the data determine it, one on its bound none.
+
+    >>> from valvetrain.explore.posterior import Datum, Unknown
+    >>> from valvetrain.explore.space import Prior
+    >>> data = tuple(Datum(f"load {k}", value, 1.0) for k, value in enumerate((9.0, 10.0, 14.0)))
+    >>> posterior = Posterior((Unknown("load", Prior("uniform", 0.0, 1e3)),), data, lambda points: [])
+    >>> found = fit_of(posterior, np.array([11.0]), {one.key: 11.0 for one in data}, np.full((3, 1), 288.7))
+    >>> round(found.chi_square), round(found.freedom), round(found.p_value, 5)
+    (14, 2, 0.00091)
+    """
+    misses = posterior.residuals([outcome])
+    chi_square = float(np.sum(misses**2) + np.sum(posterior.pulls(work[None, :]) ** 2))
+    low, high = posterior.bounds
+    near = ON_BOUND * posterior.spread
+    free = (work > low + near) & (work < high - near)
+    flat = np.array([one.prior.flat for one in posterior.unknowns])
+    determined = 1.0 - np.diag(posterior.remaining(jacobian))
+    freedom = len(posterior.used) + np.sum(~flat) - np.sum(np.where(flat, determined, 1.0)[free])
+    p_value = float(chdtrc(freedom, chi_square)) if freedom > NOTHING_LEFT else math.nan
+    return Fit(chi_square, float(freedom), p_value)
+
+
+def widenings(posterior: Posterior, jacobian: Array, scatter: float) -> Array:
+    """Factor (quantities) on each deviation once all data have ``scatter`` times theirs and the
+    priors stay as they are.
+    """
+    narrow, wide = (np.diag(posterior.remaining(jacobian, one)) for one in (1.0, scatter))
+    return np.asarray(np.sqrt(wide / narrow))

@@ -136,18 +136,22 @@ class LimitEvaluation(Evaluation):
         point, limit, (lowest, *_) = tuple(values), self.limit, self.limit.engine_speeds
         if limit.share is not None:
             assert self.case is not None
-            of_case = evaluate(Point(self.case, (), lowest, *run[1:], self.outputs.request))
+            of_case = evaluate(
+                Point(self.case, (), run._replace(engine_speed=lowest), self.outputs.request)
+            )
             if limit.quantity not in of_case.values:
                 return _at_lowest(of_case, lowest)
             limit = replace(limit, bound=limit.share * of_case.values[limit.quantity])
-        first = super().evaluate(point, (lowest, *run[1:]))
+        first = super().evaluate(point, run._replace(engine_speed=lowest))
         if not first.status.completed or limit.quantity not in first.values:
             return _at_lowest(first, lowest)
 
         def value_at(engine_speed: float) -> float:
             if engine_speed == lowest:
                 return first.values[limit.quantity]
-            there = super(LimitEvaluation, self).evaluate(point, (engine_speed, *run[1:]))
+            there = super(LimitEvaluation, self).evaluate(
+                point, run._replace(engine_speed=engine_speed)
+            )
             return there.values.get(limit.quantity, np.nan) if there.status.completed else np.nan
 
         found = find_limit(limit, value_at)

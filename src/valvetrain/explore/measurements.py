@@ -15,6 +15,7 @@ from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.explore.files import Amount, Amounts, Names
+from valvetrain.explore.outputs import Run
 from valvetrain.explore.posterior import Datum
 from valvetrain.measured.force_height import column_meaning, column_scale
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
@@ -32,23 +33,6 @@ MAX_DATA = 5000
 
 
 @dataclass(frozen=True, slots=True)
-class Station:
-    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), name of
-    the spring model and set (empty: the case's own).
-    """
-
-    engine_speed: float | None = None
-    spring_model: str = ""
-    spring_set: str = ""
-
-    @property
-    def shown_name(self) -> str:
-        """How keys begin, empty at rest by the case's own model."""
-        speed = "" if self.engine_speed is None else format_quantity(self.engine_speed, "rpm")
-        return ", ".join(filter(None, (speed, self.spring_model, self.spring_set)))
-
-
-@dataclass(frozen=True, slots=True)
 class Target:
     """One number: a named ``quantity``; the ``force`` of a spring at a compression ``at`` (m from
     the free state) or its ``load`` at a height ``at`` (m between its seats), ``name`` being the
@@ -56,7 +40,7 @@ class Target:
     ``name``; the channel ``name`` at the cam angle ``at`` (rad).
     """
 
-    station: Station
+    station: Run
     kind: Literal["quantity", "force", "load", "event", "channel"]
     name: str = ""
     at: float = 0.0
@@ -76,7 +60,7 @@ class Target:
                 key = f"{self.name} {self.at:.0f} cam angle"
             case "channel":
                 key = f"{self.name} at {format_quantity(self.at, 'deg')}"
-        return ": ".join(filter(None, (self.station.shown_name, key)))
+        return ": ".join(filter(None, (self.station.label, key)))
 
     @property
     def unit(self) -> str:
@@ -99,7 +83,7 @@ class StationModel(StrictModel):
     spring_set: str = ""
 
     @property
-    def station(self) -> Station:
+    def station(self) -> Run:
         """The same in SI. Raises a located problem for a speed that is not positive."""
         speed = None
         if self.engine_speed is not None:
@@ -109,7 +93,7 @@ class StationModel(StrictModel):
                     "is not positive; give the speed of the crank, such as '4200 rpm'",
                     ("engine_speed",),
                 )
-        return Station(speed, self.spring_model, self.spring_set)
+        return Run(speed, self.spring_model, self.spring_set)
 
     def amount(self, key: str, dimension: str | None) -> float:
         """The value (SI) of a key."""
@@ -165,7 +149,7 @@ class _Measurement(StationModel):
             raise problem(f"is {given!s:.40}; a standard deviation is positive", (key,))
         return found
 
-    def moving(self) -> Station:
+    def moving(self) -> Run:
         """The station of what has no value at rest."""
         if self.engine_speed is None:
             raise problem("was measured in motion; give its engine_speed")
@@ -312,7 +296,7 @@ class _Curve(_Table):
     spring: str = ""
 
     def rows(self, folder: Path, any_name: bool) -> Rows:
-        station = Station(None, self.spring_model, self.spring_set)
+        station = Run(None, self.spring_model, self.spring_set)
         if self.file:
             kind, places, forces = guarded(self._of_file, folder, path=("file",))
         else:

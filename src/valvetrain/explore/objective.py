@@ -33,6 +33,7 @@ from valvetrain.explore.optimum_file import (
 from valvetrain.explore.outputs import (
     LimitSearch,
     Outputs,
+    Run,
     refuse_limit_name,
     refuse_sets,
     share_of_case,
@@ -43,7 +44,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import OWN, find
-from valvetrain.runs.cost import RunRequest, planned
+from valvetrain.runs.cost import planned
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity
 
@@ -126,7 +127,7 @@ class OptimumPlan:
             if isinstance(source, LimitSearch):
                 speeds = [*source.engine_speeds, *source.engine_speeds[-1:] * CLOSER]
             for run in part.runs:
-                total += sum(seconds_of(part, (one or run[0], *run[1:])) for one in speeds)
+                total += sum(seconds_of(part, Run(one or run[0], *run[1:])) for one in speeds)
         return total
 
     def values(self, shares: Array) -> Array:
@@ -190,7 +191,7 @@ class OptimumPlan:
         """The same measures by another spring model, which gives springs at rest too where it is the finest."""
 
         def moved(goal: Any) -> Any:
-            runs = ((speed, model, chosen) for speed, _, chosen in goal.measure.runs)
+            runs = (run._replace(spring_model=model) for run in goal.measure.runs)
             return replace(goal, measure=replace(goal.measure, runs=tuple(dict.fromkeys(runs))))
 
         return replace(
@@ -250,9 +251,8 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     for every in (plan, *(one.plan for one in plan.confirmations)):
         for source, part in every.plans.items():
             request, of_plan = part.outputs.request, set[str]()
-            for _, model, chosen in part.runs:
-                named = tuple(filter(None, [model])), tuple(filter(None, [chosen]))
-                words, several = planned(RunRequest("run", plan.case, None, *named, 1))[0]
+            for run in part.runs:
+                words, several = planned(run._replace(engine_speed=None).request(plan.case))[0]
                 of_plan.update(words)
                 springs += several
             if source != REST:
@@ -324,7 +324,7 @@ class _Reader:
             if limit is not None:
                 raise text.located(path, "a function has no limit speed; give a quantity")
             label = one.label or name.replace("_", " ")
-            return Measure(RUNS, name, ((None, "", ""),), label, largest_is_worst, one.over)
+            return Measure(RUNS, name, (Run(),), label, largest_is_worst, one.over)
         name = name if limit is None else limit.quantity
         text.guarded((*path, "quantity"), lambda: refuse_limit_name(name))
         if not is_defined(name):
@@ -344,7 +344,8 @@ class _Reader:
                 reason = f"the case names no engine speed, and '{name}' needs one; add engine_speeds = '6000 rpm'"
                 raise text.located(path, reason)
         models, sets = text.model.spring_models or [""], text.model.spring_sets or [""]
-        runs = tuple(itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets)))
+        every = itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets))
+        runs = tuple(itertools.starmap(Run, every))
         return Measure(source, name, runs, one.label or label, largest_is_worst, one.over, limit)
 
     def constraint(self, path: Place, one: ConstraintModel, key: str) -> Constraint:

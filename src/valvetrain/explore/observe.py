@@ -16,8 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.engine import Computation
 from valvetrain.explore.evaluate import MODES, Point, evaluate_case
-from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.outputs import Outcome
+from valvetrain.explore.measurements import Target
+from valvetrain.explore.outputs import Outcome, Run
 from valvetrain.explore.posterior import Numbers
 from valvetrain.explore.space import Varied
 from valvetrain.explore.store import versions_digest
@@ -25,7 +25,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
-from valvetrain.runs.requests import Run
+from valvetrain.runs.requests import Run as RunOfCase
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
 from valvetrain.solution.partial_failures import reason
@@ -55,7 +55,7 @@ class Observed(Computation):
     targets: tuple[Target, ...]
 
     @property
-    def stations(self) -> tuple[Station, ...]:
+    def stations(self) -> tuple[Run, ...]:
         """Conditions of the targets, each once."""
         return tuple(dict.fromkeys(one.station for one in self.targets))
 
@@ -67,9 +67,9 @@ class Observed(Computation):
         groups: dict[object, list[int]] = {}
         for place, station in enumerate(self.stations):
             alone = not _needs_run(station, self.targets)
-            key = place if alone else (station.spring_model, station.spring_set)
+            key = place if alone else station[1:]
             groups.setdefault(key, []).append(place)
-        still = next((k for k, one in enumerate(self.stations) if one == Station()), None)
+        still = next((k for k, one in enumerate(self.stations) if one == Run()), None)
         if still is not None and (WIRE, "") in groups:
             groups[WIRE, ""] += groups.pop(still)
         return tuple(map(tuple, groups.values()))
@@ -96,7 +96,7 @@ class Observed(Computation):
         return Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
 
 
-def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
+def _needs_run(station: Run, targets: Sequence[Target]) -> bool:
     """Whether the targets in motion need a whole solution."""
     here = [one for one in targets if one.station == station]
     names = tuple(one.name for one in here if one.kind == "quantity")
@@ -105,18 +105,14 @@ def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
     )
 
 
-def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target]) -> Numbers:
+def numbers_of(case: Case, stations: Sequence[Run], targets: Sequence[Target]) -> Numbers:
     """Values of the ``targets`` of a case under several conditions, by key; None where one does not run.
     Raises as building and running do.
     """
     moving = [station for station in stations if _needs_run(station, targets)]
     here = [one for one in targets if one.station in stations]
-    runs, still = dict[Station, Solution](), dict[str, float]()
-    if (
-        len(moving) > 1
-        or (moving and Station() in stations)
-        or any(one.kind in IN_RUN for one in here)
-    ):
+    runs, still = dict[Run, Solution](), dict[str, float]()
+    if len(moving) > 1 or (moving and Run() in stations) or any(one.kind in IN_RUN for one in here):
         runs, still = _runs(case, moving)
     if not all(run.status.completed for run in runs.values()):
         return None
@@ -127,7 +123,7 @@ def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target
             named: Numbers = {**still, **runs[station].quantities}
         else:
             names = [one.name for one in asked if one.kind == "quantity"]
-            rests = station == Station() and set(names) <= still.keys()
+            rests = station == Run() and set(names) <= still.keys()
             named = still if rests or not names else _named(case, station, names)
         if named is None:
             return None
@@ -142,11 +138,11 @@ def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target
     return numbers
 
 
-def _built(case: Case, station: Station) -> Problem:
-    return build(case, spring_set=tuple(filter(None, (station.spring_set,))))
+def _built(case: Case, station: Run) -> Problem:
+    return build(case, spring_set=station.spring_sets)
 
 
-def _named(case: Case, station: Station, names: Sequence[str]) -> Numbers:
+def _named(case: Case, station: Run, names: Sequence[str]) -> Numbers:
     """Quantities of a case under a condition, None where it does not run. Preload and frequencies of
     the only spring come from a model alone, in a hundredth of the time that all its numbers take.
     """
@@ -156,9 +152,7 @@ def _named(case: Case, station: Station, names: Sequence[str]) -> Numbers:
     if station.engine_speed is not None or word in ("", WIRE) or not quick:
         rest = word if station.engine_speed is None else ""
         request = PointRequest(tuple(modes), rest)
-        outcome = evaluate_case(
-            case, Point(case, (), station.engine_speed, word, station.spring_set, request)
-        )
+        outcome = evaluate_case(case, Point(case, (), station, request))
         return outcome.values if outcome.status.completed else None
     problem = _built(case, station)
     spring = _spring(problem, "")
@@ -176,18 +170,14 @@ def _named(case: Case, station: Station, names: Sequence[str]) -> Numbers:
     }
 
 
-def _runs(
-    case: Case, stations: Sequence[Station]
-) -> tuple[dict[Station, Solution], dict[str, float]]:
+def _runs(case: Case, stations: Sequence[Run]) -> tuple[dict[Run, Solution], dict[str, float]]:
     """One study of a case at the speeds of ``stations`` that share model and set: the run of each,
     and its numbers at rest.
     """
-    models, sets = (
-        tuple(filter(None, (word,))) for word in (stations[0].spring_model, stations[0].spring_set)
-    )
+    models, sets = stations[0].models, stations[0].spring_sets
     speeds = tuple(one.engine_speed for one in stations if one.engine_speed is not None)
     study = run_study(
-        Run(case=case, engine_speeds=speeds, models=models, spring_sets=sets, workers=1)
+        RunOfCase(case=case, engine_speeds=speeds, models=models, spring_sets=sets, workers=1)
     )
     still = {name: value for values in study.still.values() for name, value in values.items()}
     label = study.labels[0]
@@ -209,7 +199,7 @@ def _in_run(run: Solution, one: Target) -> float:
     return float(np.interp(one.at % (2 * np.pi), turned[order], values[order], period=2 * np.pi))
 
 
-def _force(problem: Problem, station: Station, one: Target) -> float:
+def _force(problem: Problem, station: Run, one: Target) -> float:
     spring = _spring(problem, one.name)
     model = problem.model_of(
         station.spring_model or (WIRE if spring.wire is not None else CARD), spring

@@ -16,12 +16,16 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
+from valvetrain.explore.evaluate import doubts
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import (
     INCOMPLETE,
     RUNS,
+    Array,
     Measure,
     Measured,
+    Trial,
+    best_of,
     measure_designs,
 )
 from valvetrain.explore.objective import OptimumPlan, read_optimum
@@ -29,7 +33,6 @@ from valvetrain.explore.optimum import Confirmed, Optimum, chosen_designs
 from valvetrain.explore.optimum_file import read_optimum_file
 from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import quiet_optuna, search_from
-from valvetrain.explore.trial import Array, Trial, best_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import shows_progress
@@ -189,13 +192,11 @@ class _Search:
         plan, trial = self.plan, made.nearest
         if trial is None or RUNS not in plan.plans:
             return ()
-        from valvetrain.explore.point_bars import bars_of  # loads what runs
-
         self.progress(0.99, "error bars")
         trial = trial if made.best is None else made.best.trial
         values = trial.values.tolist() if trial.number else []
         searched, evaluation = {one.quantity for one in plan.measures}, plan.plans[RUNS]
-        every = (row for run in evaluation.runs for row in bars_of(evaluation, values, run))
+        every = (row for run in evaluation.runs for row in evaluation.error_bars(values, run))
         bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
         return tuple(bars.values())
 
@@ -203,8 +204,6 @@ class _Search:
         """What is unusual about the values of the best design and not about the case."""
         best = None if made.best is None else made.best.trial
         values = [best.values.tolist()] if best is not None and best.number else []
-        from valvetrain.explore.point_bars import doubts  # loads what runs
-
         texts = doubts(self.plan.case, self.plan.varied, values).values()
         return next((text.partition(": ")[2] for text in texts), "")
 

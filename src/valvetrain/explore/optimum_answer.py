@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import plotly.graph_objects as go
 
-from valvetrain.explore.measure import Measure
+from valvetrain.explore.measure import Measure, Trial
 from valvetrain.explore.optimum import Design, Optimum, case_text
 from valvetrain.explore.optimum_facts import SearchFacts, card_values
-from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
 from valvetrain.explore.results import (
     ExploreAnswer,
@@ -24,18 +24,19 @@ from valvetrain.explore.results import (
     rows_of,
     varied_of,
 )
-from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, Words, digits_text
 from valvetrain.session import called_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.units.reader import shown_system
 from valvetrain.views.json import uncertainty_object
+from valvetrain.views.style import LEAD, OK, OTHER, FigureSpec, panels, styled
 from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings as findings_table
 
 if TYPE_CHECKING:
     from valvetrain.views.style import FigureSpec
+
 
 #: Rows of the first table, and designs of a front that are listed; case file of the best design.
 ROWS, DESIGNS, BEST = 12, 40, "best.toml"
@@ -118,8 +119,11 @@ class OptimumAnswer(ExploreAnswer):
                 yield Line(bound.measure.label, (*self._cells(bound.measure, before, after, trial), limit), mark, remark)  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """The designs that were computed, and the progress."""
-        return figures(self.facts)
+        """The designs that were computed, which show the verdict, and the progress."""
+        return {
+            "designs": FigureSpec("Designs that were computed", "", _designs),
+            "progress": FigureSpec("Best value after each trial", "", _progress),
+        }
 
     def tables(self) -> Mapping[str, TextTable]:
         """Findings, all rows of a long table, the front, and other models."""
@@ -220,3 +224,52 @@ def answer_of_search(found: Optimum, folder: Path | None = None) -> OptimumAnswe
     pounds = any(one.unit == "lbf" for one in found.plan.varied)
     words = Words("imperial" if pounds else shown_system(), case=called_case())
     return OptimumAnswer(found, folder, words=words)
+
+
+def _designs(facts: SearchFacts) -> go.Figure | None:
+    """Two objectives of the designs; else the objective over the one quantity that was varied, or in colour over two."""
+    found, plan, several = facts.found, facts.found.plan, facts.several
+    trials = [one for one in found.trials if np.all(np.isfinite([*one.values, *one.objectives]))]
+    goals = [
+        (_axis(facts, k), [facts.number(each.measure, float(one.objectives[k])) for one in trials])
+        for k, each in enumerate(plan.objectives)
+    ]
+    axes = [
+        (each.axis_label, [each.shown(float(one.values[k])) for one in trials])
+        for k, each in enumerate(plan.varied)
+    ]  # fmt: skip
+    if len(trials) < 2 or (len(axes) > 2 and not several):
+        return None
+    (across, x), (up, y) = goals[:2] if several else [*axes, *goals][:2]
+    fig, met = panels((1.0,)), np.array([one.feasible for one in trials])
+    for name, at, colour in (("misses a bound", ~met, "#c9ced4"), ("meets every bound", met, LEAD)):
+        marker: dict[str, Any] = {"color": colour, "size": 6}
+        if len(axes) == 2 and not several and colour == LEAD:
+            label, heights = goals[0]
+            marker |= {"color": np.array(heights)[at], "colorscale": "Viridis", "colorbar": {"title": {"text": label, "side": "right"}}}  # fmt: skip
+        if at.any():
+            fig.add_scatter(x=np.array(x)[at], y=np.array(y)[at], name=name, mode="markers", marker=marker)  # fmt: skip
+    if several and found.best is not None:
+        order = [trials.index(one) for one in found.front]
+        fig.add_scatter(x=[x[k] for k in order], y=[y[k] for k in order], name="front", mode="lines", line={"color": LEAD})  # fmt: skip
+    for name, trial, colour, symbol in (("case", found.case, OTHER, "diamond"), (facts.name, facts.trial, OK, "star")):  # fmt: skip
+        if trial in trials:
+            k = trials.index(trial)
+            fig.add_scatter(x=[x[k]], y=[y[k]], name=name, mode="markers", marker={"color": colour, "size": 13, "symbol": symbol})  # fmt: skip
+    return styled(fig, across, (up,), 380).update_layout(hovermode="closest")
+
+
+def _axis(facts: SearchFacts, place: int = 0) -> str:
+    one = facts.found.plan.objectives[place].measure
+    return f"{one.label}, {one.unit}".rstrip(", ") if facts.found.plan.case is not None else one.label  # fmt: skip
+
+
+def _progress(facts: SearchFacts) -> go.Figure | None:
+    """The best value that meets every bound after each trial."""
+    found = facts.found
+    if facts.several or not found.feasible:
+        return None
+    fig = panels((1.0,))
+    values = [facts.number(facts.goal, float(one)) for one in found.history()]
+    fig.add_scatter(y=values, mode="lines", line={"color": LEAD, "shape": "hv"})
+    return styled(fig, "trial", (_axis(facts),), 300)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
-from valvetrain.explore.measure import Measure
+from valvetrain.explore.measure import Measure, Trial
 from valvetrain.explore.optimum import Design, Optimum
 from valvetrain.explore.results import span_text
-from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.case import Case

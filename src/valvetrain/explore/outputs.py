@@ -6,19 +6,50 @@ import itertools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest, is_at_rest
+from valvetrain.runs.request_cost import RunRequest
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.own_spring import model_names
-from valvetrain.units import known_arguments, parse_quantity, si_speeds
+from valvetrain.units import format_quantity, known_arguments, parse_quantity, si_speeds
 
-#: (engine speed in rad/s or None, spring model, spring set) of a run.
-Run = tuple[float | None, str, str]
+
+class Run(NamedTuple):
+    """Engine speed (rad/s of the crank; None at rest), spring model and spring set, empty for those of the case.
+
+    >>> Run(100 * 3.141592653589793, "massless").label
+    '3000 rpm, massless'
+    """
+
+    engine_speed: float | None = None
+    spring_model: str = ""
+    spring_set: str = ""
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """The spring model, none where it is that of the case."""
+        return tuple(filter(None, self[1:2]))
+
+    @property
+    def spring_sets(self) -> tuple[str, ...]:
+        """The spring set, none where it is that of the case."""
+        return tuple(filter(None, self[2:]))
+
+    @property
+    def label(self) -> str:
+        """What it names, in words."""
+        speed = "" if self.engine_speed is None else format_quantity(self.engine_speed, "rpm")
+        return ", ".join(filter(None, (speed, *self[1:])))
+
+    def request(self, case: Case) -> RunRequest:
+        """The request of this run of a case."""
+        speeds = None if self.engine_speed is None else (self.engine_speed,)
+        return RunRequest("run", case, speeds, self.models, self.spring_sets, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +246,7 @@ class Outputs:
         a set is missing.
         """
         if case is None:
-            return ((None, "", ""),)
+            return (Run(),)
         speeds: tuple[float | None, ...] = (None,)
         moving = bool(self.quantities) and self.request.motion
         if speed_is_varied and self.engine_speeds is not None and moving:
@@ -232,9 +263,8 @@ class Outputs:
                 )
         if self.spring_sets:
             refuse_sets(case, self.spring_sets)
-        return tuple(
-            itertools.product(speeds, self.spring_models or ("",), self.spring_sets or ("",))
-        )
+        named = self.spring_models or ("",), self.spring_sets or ("",)
+        return tuple(itertools.starmap(Run, itertools.product(speeds, *named)))
 
 
 def has_pair(case: Case, runs: Sequence[Run]) -> bool:

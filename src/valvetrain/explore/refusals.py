@@ -13,7 +13,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import ENGINE_SPEED
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import OWN, find, names
-from valvetrain.runs.cost import RunRequest, planned
+from valvetrain.runs.cost import planned
 from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given, of_pair
 
 #: What a spring model shows -> beginnings of the names of quantities that need it.
@@ -59,10 +59,7 @@ def refuse_outputs(experiment: Evaluation) -> None:
 def _chosen(experiment: Evaluation, run: Run) -> tuple[str, Sequence[InstalledSpring]]:
     """Spring model and springs of a run, as its point is built."""
     assert experiment.case is not None
-    speed, model, spring_set = run
-    models, sets = (tuple(filter(None, (one,))) for one in (model, spring_set))
-    speeds = None if speed is None else (speed,)
-    chosen, springs = planned(RunRequest("run", experiment.case, speeds, models, sets, 1))[0]
+    chosen, springs = planned(run.request(experiment.case))[0]
     return chosen[0], springs
 
 
@@ -116,7 +113,7 @@ def refuse_missing(engine: Engine, searches: Sequence[LimitEvaluation]) -> None:
     for search in searches:
         limit, middle = search.limit, tuple(one.distribution.middle for one in search.space)
         kinds = dict.fromkeys(run[1:] for run in search.runs)
-        jobs = [(search, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
+        jobs = [(search, middle, Run(limit.engine_speeds[0], *kind)) for kind in kinds]
         for kind, outcome in zip(kinds, engine.outcomes(jobs), strict=True):
             if outcome.status.completed and limit.quantity not in outcome.values:
                 by = f" by {kind[0]}" if kind[0] else ""

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import MissingExtraError
+from valvetrain.explore.measure import Array, Trial
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.samplers import latin_hypercube
-from valvetrain.explore.trial import Array, Trial
 
 HINT = "a search needs the library optuna, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Designs of the first round or rounds, drawn evenly before the search learns; and for each varied

@@ -19,10 +19,10 @@ from valvetrain.explore.draws import (
     branches_of_peaks,
     even_draws,
     linear_draws,
+    nested,
     percentiles,
     silent,
 )
-from valvetrain.explore.fit import Fit, fit_of, information_of, widenings
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     HIGH,
@@ -34,12 +34,15 @@ from valvetrain.explore.identified import (
     Prediction,
 )
 from valvetrain.explore.least_squares import (
+    Fit,
     Peak,
     best_starts,
     covariance_of,
+    fit_of,
+    information_of,
     least_squares,
+    widenings,
 )
-from valvetrain.explore.nested import nested
 from valvetrain.explore.posterior import Evaluate, Posterior
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped

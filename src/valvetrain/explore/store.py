@@ -143,7 +143,7 @@ _NOT_COMPUTING = (
     "cli findings views validation workbench lift spring_card scan film rig compare_test".split()
 )
 _NOT_COMPUTING_FILES = re.compile(
-    r"(_(facts|rules|answer|figures|command)|/(command|results|first_files))\.py$"
+    r"(_(facts|rules|answer|command)|/(command|results|first_files))\.py$"
 )
 
 

@@ -27,12 +27,11 @@ from valvetrain.explore.files import (
 from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_outputs
-from valvetrain.explore.samplers import SamplerSpec, sampler
-from valvetrain.explore.sensitivity import sensitivity_of
+from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
-from valvetrain.runs.cost import Cost, Limits, RunRequest, limits_of, refuse_cost, request_cost
+from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost, request_cost
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.status import COMPLETED, Status
@@ -189,7 +188,7 @@ def _jobs(
     """What a row of the table is computed by: its run, and the search for each limit speed."""
     values, experiment = tuple(row.tolist()), plan.experiment
     own = [(experiment, values, run)] if experiment.outputs.quantities else []
-    return [*own, *((search, values, (None, *run[1:])) for search in searches)]
+    return [*own, *((search, values, run._replace(engine_speed=None)) for search in searches)]
 
 
 def _table(
@@ -242,7 +241,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
         searches_of(experiment), dict.fromkeys(run[1:] for run in plan.runs)
     ):
         speeds = search.limit.engine_speeds
-        grid = sum(seconds_of(search, (speed, *kind)) for speed in speeds)
+        grid = sum(seconds_of(search, Run(speed, *kind)) for speed in speeds)
         seconds.append(grid * (1 + CLOSER / len(speeds)))
     points, numbers = draws * len(seconds), len(plan.varied) + len(plan.outputs)
     memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
@@ -255,7 +254,7 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
     if plan.case is None:
         return AROUND
     request, springs = plan.outputs.request, max(1, len(plan.case.springs))
-    engine_speed, *words = run
+    engine_speed = run.engine_speed
     if engine_speed is None and request.motion:  # it is varied: the slowest takes longest
         varied = [one for one in plan.space if one.key == ENGINE_SPEED]
         engine_speed = min(
@@ -263,8 +262,7 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
         )
     seconds = 0.0
     if engine_speed is not None:
-        models, sets = ((word,) if word else () for word in words)
-        single = RunRequest("run", plan.case, (engine_speed,), models, sets, 1)
+        single = run._replace(engine_speed=engine_speed).request(plan.case)
         seconds = request_cost(single, whole=not request.light).seconds
     by_rod = request.rest and not request.rest_model and not request.sizes_alone
     if by_rod and (engine_speed is None or request.light):

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from valvetrain.explore.point_bars import MAX_POINTS
-from valvetrain.explore.sensitivity import ENOUGH_ROWS
+from valvetrain.explore.evaluate import MAX_POINTS
+from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
-from valvetrain.explore.table import run_label
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.definition import label_of
@@ -183,7 +182,7 @@ def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
     enough = ENOUGH_ROWS * (len(plan.varied) + 2) if facts.table.sensitivities else 0
     yield Hit(high, fields={
         "name": label_of(name), "low": low,
-        "place": run_label(run) if len(plan.runs) > 1 else "", "count": str(enough if rows < enough else 4 * rows),
+        "place": run.label if len(plan.runs) > 1 else "", "count": str(enough if rows < enough else 4 * rows),
         "leader": near[0].varied.shown_name, "share": per_cent(min(1.0, near[0].share)),
         "verb": {1: "rises", -1: "falls", 0: "varies"}[near[0].rises],
         "rivals": f"{len(near)} quantities are not separated" if len(near) > 1 else "",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.evaluate import doubts
 from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
@@ -26,10 +27,12 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from valvetrain.explore.sensitivity import Sensitivity
+    from valvetrain.explore.samplers import Sensitivity
     from valvetrain.solution.uncertainty import Uncertainty
 
 Array = NDArray[np.float64]
+#: Rows of a study that get error bars.
+MAX_BARRED = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,22 +145,18 @@ class StudyTable(Reported):
         """Error bars of the outputs of the first row and of those where an output is least, by row and output; computed
         when first read.
         """
-        from valvetrain.explore.point_bars import MAX_BARRED, bars_of  # loads what runs
-
         shown = np.where(self.completed[:, None], self.values, np.nan)
         least = [int(np.nanargmin(one)) for one in shown.T if np.isfinite(one).any()]
         rows = [row for row in dict.fromkeys((0, *least)) if len(self) and self.completed[row]]
         found = {}
         for row in rows[:MAX_BARRED]:
-            bars = bars_of(self.plan.experiment, self.inputs[row].tolist(), self.runs[row])
+            bars = self.plan.experiment.error_bars(self.inputs[row].tolist(), self.runs[row])
             found[row] = {one.quantity: one for one in bars if one.quantity in self.outputs}
         return found
 
     @cached_property
     def doubts(self) -> Mapping[int, str]:
         """Points (from 0) with doubtful values -> the first warning; their cases are made again when first read."""
-        from valvetrain.explore.point_bars import doubts  # loads what runs
-
         return doubts(self.plan.case, self.plan.varied, self.inputs[:: max(1, len(self.plan.runs))])
 
     @property
@@ -186,7 +185,7 @@ class StudyTable(Reported):
         """The inputs of a row in words."""
         pairs = zip(self.plan.varied, self.inputs[row], strict=True)
         inputs = [one.text(value, 6) for one, value in pairs]
-        return ", ".join([*inputs, *filter(None, [run_label(self.runs[row])])])
+        return ", ".join([*inputs, *filter(None, [self.runs[row].label])])
 
     def column(self, name: str) -> Array:
         """Values (n,) in SI of an output, or of a varied quantity by its name. Raises
@@ -260,10 +259,3 @@ class StudyTable(Reported):
         done = int(np.count_nonzero(self.completed))
         told = f"study '{self.plan.title}': {done} of {len(self)} points completed"
         return "\n".join(filter(None, (first, told)))
-
-
-def run_label(run: Run) -> str:
-    """A run in words: speed, model, set, those that it has."""
-    engine_speed, model, spring_set = run
-    speed = "" if engine_speed is None else f"{engine_speed * 30 / np.pi:.6g} rpm"
-    return ", ".join(filter(None, (speed, model, spring_set)))
