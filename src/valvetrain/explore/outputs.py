@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest, is_at_rest
-from valvetrain.runs.request_cost import RunRequest
+from valvetrain.runs.cost import RunRequest
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
