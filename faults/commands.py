@@ -126,7 +126,7 @@ def write_inputs(folder: Path) -> Path:
     texts = {"small.toml": SMALL, "study.toml": STUDY, "search.toml": SEARCH, "identify.toml": IDENTIFICATION}  # fmt: skip
     for name, text in texts.items():
         (folder / name).write_text(text)
-    write_cycles(folder / "cycles.csv", [force_cycles(6, 180)])
+    write_cycles(folder / "cycles.csv", force_cycles(6, 180))
     rows = "\n".join(f"{angle},{lift}" for angle, lift in stations_of_lobe())
     (folder / "lobe.csv").write_text(f"cam angle [deg],valve lift [in]\n{rows}\n")
     points, _ = cloud(springs()["conical"], 3000, Scanner(noise=0.03e-3, seed=4))

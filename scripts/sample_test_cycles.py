@@ -120,7 +120,7 @@ def engine_head_table() -> str:
 def main(folder: Path) -> None:
     """Write all four."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_cycles(folder / "spring-force.csv", [force_cycles()])
+    write_cycles(folder / "spring-force.csv", force_cycles())
     for lash, seed in (("0 mm", 11), ("0.1 mm", 12)):
         write_text(folder / f"coils-lash-{lash.split()[0]}.csv", coil_table(lash, seed))
     write_text(folder / "engine-head.csv", engine_head_table())

@@ -79,7 +79,7 @@ def level(folder: Path, name: str, mean: float) -> Path:
     values = mean + np.outer([7.0, -7.0], np.ones(90))
     return write_cycles(
         folder / name,
-        [MeasuredCycles("seat_force", "N", angle, values, 50 * np.pi, synthetic=True)],
+        MeasuredCycles("seat_force", "N", angle, values, 50 * np.pi, synthetic=True),
     )
 
 

@@ -29,7 +29,7 @@ def samples(folder: Path) -> Path:
     """
     script = runpy.run_path(str(ROOT / "scripts" / "sample_test_cycles.py"))
     folder.mkdir()
-    write_cycles(folder / "spring-force.csv", [script["force_cycles"]()])
+    write_cycles(folder / "spring-force.csv", script["force_cycles"]())
     (folder / "coils-lash-0.csv").write_text(script["coil_table"]("0 mm", 11), encoding="utf-8")
     (folder / "engine-head.csv").write_text(script["engine_head_table"](), encoding="utf-8")
     return folder

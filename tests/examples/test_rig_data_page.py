@@ -36,4 +36,4 @@ def test_every_command_of_the_page_runs(tmp_path, monkeypatch):
         + "".join(f"\n{angle},1,2" for angle in range(30, 360, 30)),
         encoding="utf-8",
     )
-    assert vt.measured.read_cycles(tmp_path / "own.csv")[0].values.shape == (2, 12)
+    assert vt.measured.read_cycles(tmp_path / "own.csv").values.shape == (2, 12)

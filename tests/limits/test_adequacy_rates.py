@@ -18,16 +18,8 @@ from valvetrain.compare_test.adequacy import (
     independent_places,
     ring_weights,
 )
+from valvetrain.compare_test.agreement import agreement, best_shift, shifted
 from valvetrain.compare_test.comparison import SharedErrors
-from valvetrain.compare_test.events import (
-    agreement,
-    best_shift,
-    extreme_rows,
-    interval_row,
-    scatter_of_mean,
-    shifted,
-    spike_rows,
-)
 from valvetrain.errors import InputError
 
 ANGLES = 144
@@ -198,26 +190,6 @@ def test_what_cannot_be_judged_is_refused():
         difference_band(np.ones((2, 20)), np.zeros(20))
 
 
-def test_events_of_a_true_model_lie_outside_one_time_in_twenty():
-    """Extremes of a mean are moved by its scatter; without that being counted the least value of a
-    level part would be off.
-    """
-    draw, angle = np.random.default_rng(9), np.arange(ANGLES) * 2 * np.pi / ANGLES
-    truth = 40 * np.exp(8 * np.cos(angle - 3.0) - 8)
-    inside = {
-        sign: (angle > 4.0) if sign < 0 else np.ones(ANGLES, dtype=bool) for sign in (1.0, -1.0)
-    }
-    judged, naive = [], []
-    for _ in range(60):
-        values = truth + 0.8 * repeats(draw, 8)
-        drawn = scatter_of_mean(values)[:60]
-        for sign in (1.0, -1.0):
-            rows = extreme_rows("any", angle, values, truth, drawn, inside[sign], sign)
-            judged += [row.outside for row in rows]
-            naive.append(abs(rows[0].model - rows[0].test) > 2.36 * rows[0].error)
-    assert np.mean(judged) < 0.12 and np.mean(naive[1::2]) > 0.3
-
-
 def test_errors_that_all_repeats_share_are_counted():
     """An offset, a gain and an angle drawn once a test, standard deviations stated: a true model
     keeps its level and its band; without
@@ -243,66 +215,6 @@ def test_errors_that_all_repeats_share_are_counted():
         alone.append(not adequacy_test(values, truth(angle), ring=True).adequate)
         held.append(not difference_band(values, truth(angle), shared=common).outside.any())
     assert 0.01 <= np.mean(refuted) <= 0.09 and np.mean(alone) > 0.7 and np.mean(held) >= 0.93
-
-
-def test_spikes_and_their_distance_are_those_that_were_drawn():
-    """Spikes of known places and heights: three at 27 degrees in the test, the model's 26.5 apart
-    and 30 N lower, one more.
-    """
-    angle = np.arange(1440) * 2 * np.pi / 1440
-
-    def curve(places, height):
-        base = 300 + 500 * np.exp(-(((angle - np.pi) / 0.5) ** 2))
-        return base + sum(
-            height * np.exp(-(((np.degrees(angle) - place) / 1.5) ** 2)) for place in places
-        )
-
-    values = curve([250.0, 277.0, 304.0, 40.0], 200.0) + 0.5 * repeats(
-        np.random.default_rng(11), 8, 1440
-    )
-    model = curve([251.0, 277.5, 304.0], 170.0)
-    rows = spike_rows(angle, values, model, scatter_of_mean(values)[:50])
-    told = {(row.name, row.dimension): row for row in rows}
-    assert [round(np.degrees(row.test)) for row in rows if row.dimension == "angle"] == [
-        40,
-        180,
-        250,
-        277,
-        304,
-    ]
-    assert np.isnan(told["spike 1", "value"].model) and told["spike 1", "value"].outside is None
-    for place, due in ((3, 251.0), (4, 277.5), (5, 304.0)):
-        assert np.degrees(told[f"spike {place}", "angle"].model) == pytest.approx(due, abs=0.02)
-        assert (
-            told[f"spike {place}", "value"].difference == pytest.approx(-30.0, abs=3.0)
-            and told[f"spike {place}", "value"].outside
-        )
-    interval = interval_row(rows, np.radians(233.0), 2 * np.pi)
-    assert np.degrees([interval.model, interval.test]) == pytest.approx([26.5, 27.0], abs=0.05)
-    assert interval.name == "interval of 3 spikes" and interval_row(rows[:2], 0.0, 7.0) is None
-
-
-@pytest.mark.parametrize("count", [3, 8, 9, 12])
-def test_of_many_spikes_the_eight_that_stand_out_most_are_told_in_order(count):
-    """Spikes of unlike heights, evenly apart: the lowest are left out, and each meets its own in a
-    model of 3 N less.
-    """
-    angle = np.arange(1440) * 2 * np.pi / 1440
-    places = 20.0 + 330.0 / count * np.arange(count)
-    heights = 100.0 + 40.0 * ((5 * np.arange(count)) % 13)
-    curve = sum(
-        size * np.exp(-(((np.degrees(angle) - at) / 2.0) ** 2))
-        for at, size in zip(places, heights, strict=True)
-    )
-    values = curve + 0.01 * repeats(np.random.default_rng(3), 6, 1440)
-    rows = [
-        row
-        for row in spike_rows(angle, values, curve - 3.0, scatter_of_mean(values)[:20])
-        if row.dimension == "value"
-    ]
-    due = np.sort(np.argsort(-heights)[:8])
-    assert [row.test for row in rows] == pytest.approx(heights[due], abs=0.5)
-    assert [row.difference for row in rows] == pytest.approx([-3.0] * len(due), abs=0.2)
 
 
 def in_a_circle(cycles, angles, harmonic):

@@ -13,7 +13,6 @@ import film_parts as made
 import valvetrain as vt
 from valvetrain.film.frames import open_film
 from valvetrain.film.space_time import SightLine, read_space_time
-from valvetrain.film.surge import spectrum
 from valvetrain.film.tracks import track
 
 LINE = SightLine((4.0, 0.0), (4.0, 239.0))
@@ -152,22 +151,3 @@ def test_the_vaz_spring_filmed_at_2000_frames_a_second():
     assert any(
         "mirrored" in note and "above half the frame rate (1000 Hz)" in note for note in model.notes
     )
-
-
-@pytest.mark.parametrize("seen", [0, 3, 4])
-def test_the_spectrum_shows_amplitudes_of_coils_that_are_seen(seen):
-    """Root mean square of 3 and 4 mm at 125 Hz, a coil seen in fewer than four frames left out; a
-    drift is no line.
-    """
-    number = np.delete(np.arange(400), [17, 18, 201])  # lost frames
-    time = number / 1000
-    moved = np.column_stack(
-        [size * np.sin(2 * np.pi * 125 * time + size) + 0.2 * time for size in (3e-3, 4e-3, 0.0)]
-    )
-    moved[5, 0] = np.nan
-    moved[seen:, 2] = np.nan
-    frequency, amplitude = spectrum(moved, number, 1000.0)
-    assert frequency == pytest.approx(np.arange(201) * 2.5)
-    assert frequency[np.argmax(amplitude)] == 125.0
-    assert amplitude.max() == pytest.approx(5e-3 / np.sqrt(3 if seen == 4 else 2), rel=0.02)
-    assert np.all(amplitude[np.abs(frequency - 125) > 30] < 1e-4)

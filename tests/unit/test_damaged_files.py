@@ -14,7 +14,6 @@ import xarray
 
 from synthetic_study import rod_run
 from valvetrain.errors import InputError
-from valvetrain.measured.cycles import MeasuredCycles, read_cycles, write_cycles
 from valvetrain.runs.differences import input_differences
 from valvetrain.runs.saved_runs import (
     Inputs,
@@ -25,7 +24,6 @@ from valvetrain.runs.saved_runs import (
     save_run,
 )
 from valvetrain.solution import atomic as checksum
-from valvetrain.solution import read_apart
 from valvetrain.solution.channels import ChannelArrays
 from valvetrain.solution.netcdf import TREE, load_netcdf, refuse_claims, save_netcdf, write_image
 from valvetrain.solution.result import save_csv
@@ -90,40 +88,6 @@ def test_a_result_without_its_checksum_is_refused_before_the_library_sees_it(tmp
 def test_deep_and_empty_descriptions_are_refused(tmp_path, text):
     path = write_image(ChannelArrays({}, {}), {TREE: text}, tmp_path / "run.nc")
     refused(load_netcdf, path, "is damaged")
-
-
-# ---- files that the library of the format does not come back from
-
-
-def without_end(path, words):
-    """Empty the store of long words before ``words``: the library looks for the next entry for
-    ever, each of no length.
-    """
-    content = bytearray(path.read_bytes())
-    place = content.index(words)
-    content[place - 48 : place + 1] = bytes(49)
-    path.write_bytes(bytes(content))
-
-
-def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing(
-    tmp_path, monkeypatch
-):
-    monkeypatch.setattr(read_apart, "MAX_SECONDS", 3)
-    angles = np.linspace(0.0, 6.0, 24)
-    path = write_cycles(
-        tmp_path / "cycles.nc",
-        [
-            MeasuredCycles(
-                "valve_lift", "m", angles, np.ones((2, 24)), 150.0, "a rig", notes=("x" * 99,)
-            )
-        ],
-    )
-    assert read_cycles(path)
-    body = checksum.checked_content(path)[0]
-    path.write_bytes(body)
-    without_end(path, b"xxxxxxxx")
-    path.write_bytes(path.read_bytes() + checksum.closing_line(path.read_bytes()))
-    refused(read_cycles, path, "does not come back")
 
 
 def test_a_variable_whose_one_piece_is_far_larger_than_what_is_stored_is_refused(tmp_path):

@@ -14,7 +14,7 @@ import xlsxwriter
 
 from valvetrain.errors import InputError
 from valvetrain.film.frames import open_film
-from valvetrain.measured import cycles, tables
+from valvetrain.measured import tables
 from valvetrain.measured.cycles import read_cycles
 from valvetrain.measured.force_height import read_force_height
 from valvetrain.measured.lift_file import read_lift
@@ -22,7 +22,6 @@ from valvetrain.measured.value_table import read_value_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.rig.reader import Budget, read_recording
 from valvetrain.scan.clouds import open_cloud
-from valvetrain.solution.atomic import closing_line
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 SHEET = "xl/worksheets/sheet1.xml"
@@ -108,18 +107,6 @@ def test_a_table_of_more_values_than_a_test_has_is_refused(tmp_path):
         read_value_table(tmp_path / "values.csv")
 
 
-def test_netcdf_cycles_that_claim_more_than_they_hold_are_refused(tmp_path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "cycles.nc", "w") as file:
-        file.attrs["title"] = cycles._KIND
-        file.create_dataset("valve_lift", (10**6, 10**6), "f8", chunks=(1000, 1000))
-        file["cam_angle_of_valve_lift"] = np.arange(10.0)
-    content = (tmp_path / "cycles.nc").read_bytes()
-    (tmp_path / "cycles.nc").write_bytes(content + closing_line(content))
-    with pytest.raises(InputError, match=r"'valve_lift' claims 8e\+12 bytes and holds 0"):
-        read_cycles(tmp_path / "cycles.nc")
-
-
 def mat(path):
     """A matrix of 10 000 x 10 000 doubles whose header alone is there."""
     flags = struct.pack("<IIII", 6, 8, 6, 0)
@@ -131,15 +118,8 @@ def mat(path):
     )
 
 
-def hdf5(path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(path, "w") as file:
-        file.create_dataset("force", (1_000_000_000,), "f8", chunks=(1000,))
-
-
-@pytest.mark.parametrize("write", [mat, hdf5])
-def test_a_recording_that_claims_more_than_it_holds_is_refused(write, tmp_path):
-    write(tmp_path / "recording")
+def test_a_recording_that_claims_more_than_it_holds_is_refused(tmp_path):
+    mat(tmp_path / "recording")
     with pytest.raises(InputError, match=r"damaged|claims more"):
         read_recording(tmp_path / "recording")
 
@@ -170,4 +150,4 @@ def test_frames_and_clouds_that_claim_much_are_refused_by_their_heads(tmp_path):
         open_film(tmp_path / "film")
     (tmp_path / "a.stl").write_bytes(bytes(80) + np.uint32(4_000_000_000).tobytes())
     with pytest.raises(InputError, match=r"facets|triangles"):
-        next(iter(open_cloud(tmp_path / "a.stl").blocks))
+        open_cloud(tmp_path / "a.stl")

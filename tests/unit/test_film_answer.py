@@ -118,5 +118,5 @@ def test_the_next_step_states_the_error_of_the_film():
 
 def test_a_report_has_the_files_and_a_page(tmp_path):
     files = made.turning_motion().report(tmp_path)
-    assert {path.name for path in files.data} >= {"tracks.csv", "spectrum.csv", "peaks.csv", "displacement-coil-6.csv"}  # fmt: skip
+    assert {path.name for path in files.data} >= {"tracks.csv", "peaks.csv", "displacement-coil-6.csv"}  # fmt: skip
     assert files.page.stat().st_size < 2.3e6

@@ -92,14 +92,14 @@ def test_a_table_of_lifts_tells_the_phase(answer, monkeypatch):
     assert data["cam_speed"]["by"] == "lift" and data["cam_speed"]["value"] == pytest.approx(
         made.CAM_SPEED, rel=1e-3
     )
-    (cycles,) = vt.measured.read_cycles("by-lift/displacement-coil-6.csv")
+    cycles = vt.measured.read_cycles("by-lift/displacement-coil-6.csv")
     top = np.degrees(cycles.cam_angle[np.argsort(cycles.values[0])[-30:]])
     assert abs(np.mean((top + 180) % 360 - 180)) < 2.0
 
 
 def test_the_files_hold_a_column_a_turn(answer):
     home, _ = answer
-    (found,), cycles = (
+    found, cycles = (
         vt.measured.read_cycles(home / "out" / "displacement-coil-6.csv"),
         made.turning_motion().cycles[5],
     )

@@ -86,10 +86,10 @@ def test_the_fields_of_a_verdict_are_the_numbers_of_the_recording():
     named, doubtful = (replace(one, words=Words(case="job-t")) for one in (good, drifting))
     assert named.verdict.fields["step"].fields[
         "test"
-    ] == "cycles.nc --channel 1" and named.next_step.startswith("valvetrain ")
+    ] == "spring_force.csv" and named.next_step.startswith("valvetrain ")
     assert doubtful.verdict.fields["step"].fields[
         "test"
-    ] == "cycles.nc --channel 2" and doubtful.next_step.startswith("valvetrain ")
+    ] == "valve_lift.csv" and doubtful.next_step.startswith("valvetrain ")
     assert good.next_step and not good.next_step.startswith("valvetrain ")
     drift = drifting.verdict.fields["drift"].value
     assert drift == pytest.approx(30 * 7 / 8.4, rel=0.2) and "spring_force" in drifting.next_step

@@ -86,7 +86,7 @@ def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path
         cycles = MeasuredCycles(
             "spring_force", "N", angle, values, cam_speed=cam_speed, synthetic=True
         )
-        return write_cycles(tmp_path / "test.csv", [cycles]).read_bytes()
+        return write_cycles(tmp_path / "test.csv", cycles).read_bytes()
 
     same, shifted = (against(runs[0], "test.csv", content(one)) for one in (drawn, drawn + 40.0))
     assert [answer_of(one).verdict.code for one in (same, shifted)] == ["T204", "T203"]

@@ -56,7 +56,7 @@ def asks(flag: str, metavar: str | None, label: str) -> Any:
 
 
 #: What follows an option -> what is read; else a text.
-KINDS = {"N": int, "SHARE": float, "": bool}
+KINDS = {"N": int, "SHARE": float, "PX": float, "TURNS": float, "": bool}
 
 
 def asking(

@@ -1,7 +1,7 @@
 """``valvetrain compare-test``: a model compared with measured cycles or values of a test.
 
 ``compare.py`` runs the case and compares (begin there): ``reader.py`` reads the test, ``comparison.py`` judges one run by
-``adequacy.py`` (Fisher's test) and ``events.py``. ``rules.py`` says what that means, ``answer.py`` shows it, ``tables.py`` writes it.
+``adequacy.py`` (Fisher's test) and ``agreement.py``. ``rules.py`` says what that means, ``answer.py`` shows it, ``tables.py`` writes it.
 """
 
 from valvetrain.lazy import public_names

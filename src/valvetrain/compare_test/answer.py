@@ -172,9 +172,9 @@ class AgainstTestAnswer(ShownByRules):
         """Every number of the comparison, a table a topic and model."""
         name, runs = self.result.quantity, self.result.runs
         kinds = (
-            ("events", "Peaks and spikes", tables.event_columns(name)), ("stages", "Stretches of the turn", tables.stage_columns(name)),
-            ("values", "Values", tables.VALUES)
-        )  # fmt: skip
+            ("stages", "Stretches of the turn", tables.stage_columns(name)),
+            ("values", "Values", tables.VALUES),
+        )
         near, tested = [one for one in runs if one.agreement], [one for one in runs if one.adequacy]
         made = {
             "findings": findings_table(self),

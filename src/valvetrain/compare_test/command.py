@@ -36,7 +36,6 @@ from valvetrain.cli.run_answer import SavedRequest, saved_result
 #: Argument of :func:`compare_with_test`, or of the gauge -> its option, what follows that, and its help.
 ASKED = {
     "quantity": ("--quantity", "NAME", "The model's curve, where the file calls it otherwise."),
-    "channel": ("--channel", "N", "Which channel of a file of several, from 1."),
     "engine_speed": ("--rpm", "SPEED", "Crank speed where the test does not state it."),
     "bandwidth": ("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'."),
     "sensor": ("--sensor", "WORDS", "More of the gauge: 'natural_frequency=40 kHz, order=2'."),
@@ -96,7 +95,7 @@ def compare_test(
     bandwidth, words = answers.pop("bandwidth", None), answers.pop("sensor", None)
     gauge = read_sensor(bandwidth, words) if bandwidth or words else None
     chosen = choose_case(case, settings, elements_per_coil)
-    measured = read_test(test, answers.get("quantity", ""), answers.pop("channel", 0))
+    measured = read_test(test, answers.get("quantity", ""))
     announce_runs(chosen)
     with progress_bar(chosen.name) as report:
         result = compare_with_test(

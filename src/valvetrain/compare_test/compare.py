@@ -105,7 +105,6 @@ def compare_with_test(
     test: AnyTest,
     *,
     quantity: str = "",
-    channel: int = 0,
     engine_speed: Given | None = None,
     models: Sequence[str] | str = (),
     spring_sets: Sequence[str] | str = (),
@@ -118,7 +117,7 @@ def compare_with_test(
     limit: str = "",
     implausible: bool = False,
 ) -> ModelAgainstTest:
-    """A case against measured cycles, or against a table of measured values: errors, events, bands
+    """A case against measured cycles, or against a table of measured values: errors, bands
     and Fisher's test of adequacy.
 
     Parameters
@@ -126,8 +125,6 @@ def compare_with_test(
     case : Case, name of a library case, or path of a case file
     test : MeasuredCycles, ValueTable, or the file of either
     quantity : name of the curve of the model, where the file calls it otherwise
-    channel : which channel of a file that holds several, from 1; 0 for the only one, or the one of
-        that quantity
     engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
         quantity
     models : a name of a spring model, or several, compared side by side; the case's own by
@@ -161,7 +158,7 @@ def compare_with_test(
     True
     """
     chosen = case_of(case)
-    measured, speeds, notes = _read(chosen, test, quantity, channel, engine_speed)
+    measured, speeds, notes = _read(chosen, test, quantity, engine_speed)
     errors = read_shared(shared, measured.unit if isinstance(measured, MeasuredCycles) else "")
     request = ComparisonRequest(measured, speeds, notes, errors, sensor, fitted, level)
     study = simulate(
@@ -184,7 +181,6 @@ def compare_study_with_test(
     test: AnyTest,
     *,
     quantity: str = "",
-    channel: int = 0,
     engine_speed: Given | None = None,
 ) -> ModelAgainstTest:
     """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which
@@ -193,7 +189,7 @@ def compare_study_with_test(
     Parameters
     ----------
     study : runs of the case, one of them at the speed of the test
-    case, test, quantity, channel, engine_speed : as for :func:`compare_with_test`
+    case, test, quantity, engine_speed : as for :func:`compare_with_test`
 
     Raises
     ------
@@ -211,7 +207,7 @@ def compare_study_with_test(
     False
     """
     chosen = case_of(case)
-    request = ComparisonRequest(*_read(chosen, test, quantity, channel, engine_speed))
+    request = ComparisonRequest(*_read(chosen, test, quantity, engine_speed))
     near = tuple(
         run
         for run in study.solutions
@@ -233,11 +229,11 @@ def compare_study_with_test(
 
 
 def _read(
-    case: Case, test: AnyTest, quantity: str, channel: int, engine_speed: Given | None
+    case: Case, test: AnyTest, quantity: str, engine_speed: Given | None
 ) -> tuple[MeasuredCycles | ValueTable, tuple[float, ...], tuple[str, ...]]:
     """The test, the crank speeds (rad/s) that are run for it, and what was assumed."""
     speed = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
-    return at_speeds(case, read_test(test, quantity, channel), speed)
+    return at_speeds(case, read_test(test, quantity), speed)
 
 
 def judge_study(

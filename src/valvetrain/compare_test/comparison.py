@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -21,15 +21,7 @@ from valvetrain.compare_test.adequacy import (
     difference_band,
     ring_weights,
 )
-from valvetrain.compare_test.events import (
-    Agreement,
-    EventRow,
-    agreement,
-    extreme_rows,
-    interval_row,
-    scatter_of_mean,
-    spike_rows,
-)
+from valvetrain.compare_test.agreement import Agreement, agreement
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.sensor import Sensor
@@ -222,8 +214,8 @@ class ValueRow:
 
 @dataclass(frozen=True, eq=False)
 class RunAgainstTest:
-    """One run against the test. ``curve`` at the angles of the test, ``agreement``, ``band``,
-    ``events`` and ``stages`` belong to measured cycles, ``values`` to a table; ``adequacy`` is None
+    """One run against the test. ``curve`` at the angles of the test, ``agreement``, ``band``
+    and ``stages`` belong to measured cycles, ``values`` to a table; ``adequacy`` is None
     where ``without`` says why there is no F-test.
     """
 
@@ -234,7 +226,6 @@ class RunAgainstTest:
     curve: Array | None = None
     agreement: Agreement | None = None
     band: DifferenceBand | None = None
-    events: tuple[EventRow, ...] = ()
     stages: tuple[StageRow, ...] = ()
     values: tuple[ValueRow, ...] = ()
 
@@ -283,40 +274,13 @@ def against_cycles(
         )
     except InputError as error:
         without = error.reason
-    events: list[EventRow] = []
-    rows, drawn = [], scatter_of_mean(values)
-    for name, first, last in stages or (("", 0.0, _TURN),):
+    rows = []
+    for name, first, last in stages:
         inside = (angle % _TURN >= first) & (angle % _TURN < last)
         if inside.sum() > 2:
-            for word, sign in (("largest", 1.0), ("least", -1.0)):
-                label = ", ".join(filter(None, (name, word)))
-                events += extreme_rows(label, angle, values, curve, drawn, inside, sign)
-            if name:
-                rows.append(_stage(name, first, last, curve, values, weights, inside, band))
-    spikes = spike_rows(angle, values, curve, drawn)
-    events += spikes
-    after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
-    interval = interval_row(spikes, after[0], after[1])
-    events += [] if interval is None else [interval]
-    events = [_with_shared(event, request.shared) for event in events]
+            rows.append(_stage(name, first, last, curve, values, weights, inside, band))
     agreed = agreement(angle, values, curve, weights, even)
-    return RunAgainstTest(
-        run.label, run.model, adequacy, without, curve, agreed, band, tuple(events), tuple(rows)
-    )
-
-
-def _with_shared(event: EventRow, shared: SharedErrors) -> EventRow:
-    """An event with what all repeats share: of its angle, or of its value, where the slope is
-    nought.
-    """
-    if "interval" in event.name:
-        return event
-    return replace(
-        event,
-        shared=shared.cam_angle
-        if event.dimension == "angle"
-        else math.hypot(shared.offset, shared.gain * event.test),
-    )
+    return RunAgainstTest(run.label, run.model, adequacy, without, curve, agreed, band, tuple(rows))
 
 
 def _stage(

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.measured.cycles import HDF5_MARK, MeasuredCycles, read_cycles
+from valvetrain.measured.cycles import MeasuredCycles, cycles_in
 from valvetrain.measured.tables import read_content, text_of
-from valvetrain.measured.value_table import ValueTable, is_value_table, read_value_table
+from valvetrain.measured.value_table import ValueTable, is_value_table, values_in
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.traces import Trace
 from valvetrain.solution.quantity import same_speed
@@ -28,54 +28,22 @@ SAME_SPEED = 1e-3
 MAX_CYCLES, MAX_VALUES = 2000, 10_000_000
 #: Repeats below which the count of independent angles leans on scatter being alike at all angles.
 FEW = 4
-#: Largest file of a test, and its first bytes that decide what it is.
+#: Largest file of a test (bytes), and its first characters that decide what it is.
 _MAX_BYTES, _BEGINNING = 500_000_000, 1 << 16
 
 
-def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCycles | ValueTable:
-    """The test in a file, by content. ``channel``: which of several, from 1 (0: the one of that
-    ``quantity``, or the only one); ``quantity``: what it is compared with where the file calls it
+def read_test(test: AnyTest, quantity: str = "") -> MeasuredCycles | ValueTable:
+    """The test in a file, by content. ``quantity``: what cycles are compared with where the file calls it
     otherwise.
-
-    Raises :class:`InputError` where the channel is ambiguous.
     """
-    channels: tuple[MeasuredCycles | ValueTable, ...]
-    if isinstance(test, (MeasuredCycles, ValueTable)):
-        channels = (test,)
-    else:
+    if isinstance(test, (str, Path)):
         path = Path(test)
-        channels = (read_value_table(path),) if _holds_values(path) else read_cycles(path)
-    cycles = [entry for entry in channels if isinstance(entry, MeasuredCycles)]
-    if len(cycles) < len(channels):
-        return channels[0]
-    if not 0 <= channel <= len(cycles):
-        raise InputError(
-            f"the test holds {len(cycles)} channels, numbered from 1; correct the number", "channel"
-        )
-    fits = (
-        [cycles[channel - 1]]
-        if channel
-        else [entry for entry in cycles if quantity in ("", entry.quantity)] or cycles
-    )
-    if len(fits) != 1:
-        names = ", ".join(
-            f"{place} {entry.quantity}" for place, entry in enumerate(cycles[:20], start=1)
-        )
-        raise InputError(
-            f"the test holds {len(cycles)} channels ({names}); say which by its number", "channel"
-        )
-    return replace(fits[0], quantity=quantity or fits[0].quantity)
-
-
-def _holds_values(path: Path) -> bool:
-    """Whether a file begins as a table of values does."""
-    content = read_content(path, _MAX_BYTES, "file of a test")
-    if content.startswith(HDF5_MARK):
-        return False
-    try:
-        return is_value_table(text_of(content[:_BEGINNING], path.name))
-    except InputError:
-        return False
+        text = text_of(read_content(path, _MAX_BYTES, "file of a test"), path.name)
+        read = values_in if is_value_table(text[:_BEGINNING]) else cycles_in
+        test = read(text, path.name[:80])
+    if isinstance(test, ValueTable):
+        return test
+    return replace(test, quantity=quantity or test.quantity)
 
 
 def at_speeds(

@@ -75,32 +75,6 @@ ADEQUACY: Columns = (
 )  # fmt: skip
 
 
-def event_columns(name: str = "") -> Columns:
-    """Peaks and spikes of a run of the quantity ``name``, with their difference in standard errors; rows: events."""
-
-    def quantity(row: Any) -> str:
-        return "cam_angle" if row.dimension == "angle" else name
-
-    return (
-        RowColumn("event", value="name", key="event", csv="event"),
-        RowColumn(value="dimension", key="what", csv="what"),
-        *(
-            RowColumn(one, value=one, key=one, csv=one, quantity=quantity)
-            for one in ("model", "seen", "test", "difference")
-        ),
-        RowColumn(
-            "scatter", value="scatter", key="scatter", csv="scatter of one cycle", quantity=quantity
-        ),
-        RowColumn(
-            "in standard errors",
-            value="in_errors",
-            key="in_standard_errors",
-            csv="in standard errors",
-        ),
-        RowColumn("outside", value="outside", key="outside", csv="outside"),
-    )
-
-
 def stage_columns(name: str = "") -> Columns:
     """Errors by stage of the revolution of the quantity ``name``."""
     return (
@@ -168,7 +142,6 @@ def _run(run: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
         share = float(run.band.outside.mean())
         data["band"] = {"factor": run.band.factor, "level": run.band.level, "share_outside": share}
     for key, columns in (
-        ("events", event_columns()),
         ("stages", stage_columns()),
         ("values", VALUES),
     ):
@@ -178,14 +151,14 @@ def _run(run: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
 
 
 def write_compare_test(result: ModelAgainstTest, folder: Path) -> list[Path]:
-    """``curves.csv`` and ``events.csv`` of measured cycles, or ``values.csv`` of a table; SI but
-    for angles in cam degrees.
-    """
+    """``curves.csv`` of measured cycles, or ``values.csv`` of a table; SI but for angles in cam degrees."""
     test = result.test
     if not result.runs:
         return []
     if not isinstance(test, MeasuredCycles):
-        return [_write_rows(folder / "values.csv", VALUES, result, "values")]
+        headings = ("run", *(column.csv for column in VALUES if column.csv))
+        rows = ((run.label, *csv_row(VALUES, row)) for run in result.runs for row in run.values)
+        return [write_text(folder / "values.csv", csv_text(headings, rows))]
     columns = {"cam angle [deg]": np.degrees(test.cam_angle), f"test [{test.unit}]": test.mean}
     for run in result.runs:
         if run.curve is not None:
@@ -194,12 +167,4 @@ def write_compare_test(result: ModelAgainstTest, folder: Path) -> list[Path]:
             columns[f"{run.label} less test [{test.unit}]"] = run.band.difference
             columns[f"half width of its band [{test.unit}] ({run.label})"] = run.band.half_width
     curves = csv_text(columns, np.column_stack(list(columns.values())).tolist())
-    events = _write_rows(folder / "events.csv", event_columns(), result, "events")
-    return [write_text(folder / "curves.csv", curves), events]
-
-
-def _write_rows(path: Path, columns: Columns, result: ModelAgainstTest, key: str) -> Path:
-    """The rows of all runs, the label of the run in the first column."""
-    headings = ("run", *(column.csv for column in columns if column.csv))
-    rows = ((run.label, *csv_row(columns, row)) for run in result.runs for row in getattr(run, key))
-    return write_text(path, csv_text(headings, rows))
+    return [write_text(folder / "curves.csv", curves)]

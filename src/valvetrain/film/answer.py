@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,11 +14,8 @@ from valvetrain.film.result import CoilMotion
 from valvetrain.film.rules import RULES, FilmFacts, displacement, frequency, nearest, ratio, rpm
 from valvetrain.film.surge import BAND
 from valvetrain.film.tables import LINE_COLUMNS, line_table, peak_columns, peak_table
-from valvetrain.findings.engine import Findings, judge
-from valvetrain.findings.words import Words
-from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import table_of
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 
@@ -27,26 +24,22 @@ COILS, LINES = 7, 2
 
 
 @dataclass(frozen=True)
-class FilmAnswer(Shown):
+class FilmAnswer(ShownByRules):
     """What is shown of a film, and of the run that is compared with it; ``synthetic``: it was computed; ``folder`` of its
     files, which the next step names.
     """
+
+    rules = RULES
 
     motion: CoilMotion
     model: FilmedModel | None = None
     synthetic: bool = False
     folder: str = ""
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> FilmFacts:
         """The film as rules read it."""
         return FilmFacts(self.motion, self.model, self.folder)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def title(self) -> str:
@@ -106,8 +99,7 @@ class FilmAnswer(Shown):
         return {
             "coils": FigureSpec("Motion of the coils", shaded, figures.coils),
             "decay": FigureSpec("Free decay", "the coil that rings most", figures.decay),
-            "space-time": FigureSpec("Space-time picture with the tracks", "", figures.space_time),
-            "spectrum": FigureSpec("Spectrum of the whole film", "dotted: surge lines found in the decay", figures.spectrum)
+            "space-time": FigureSpec("Space-time picture with the tracks", "", figures.space_time)
         }  # fmt: skip
 
     def computed(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Figures of a film: coils over the cam angle next to the model, the decay, the space-time picture and the spectrum."""
+"""Figures of a film: coils over the cam angle next to the model, the decay and the space-time picture."""
 
 from __future__ import annotations
 
@@ -43,17 +43,6 @@ def decay(facts: FilmFacts) -> go.Figure | None:
         dots(1e3 * surge.time, 1e3 * surge.measured, f"coil {surge.coil}", SECOND)
     ])  # fmt: skip
     return styled(fig, "time from the beginning of the decay, ms", ("displacement, mm",))
-
-
-def spectrum(facts: FilmFacts) -> go.Figure:
-    """Amplitude (µm) over frequency of the whole film, with the surge lines of the decay."""
-    motion = facts.motion
-    amplitude = 1e6 * motion.spectrum_amplitude[1:]
-    fig = go.Figure(line(motion.spectrum_frequency[1:], amplitude, "film", LEAD))
-    for ringing in facts.lines:
-        fig.add_vline(ringing.natural_frequency, line={"dash": "dot"}, annotation_text=f"{ringing.natural_frequency:.0f} Hz")  # fmt: skip
-    styled(fig, "frequency, Hz", ("amplitude, µm",))
-    return fig.update_yaxes(type="log")
 
 
 def space_time(facts: FilmFacts) -> go.Figure:

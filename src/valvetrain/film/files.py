@@ -1,4 +1,4 @@
-"""The files of a film: measured cycles, peaks, tracks and spectrum as CSV, and the answer as JSON."""
+"""The files of a film: measured cycles, peaks and tracks as CSV, and the answer as JSON."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def named_cycles(motion: CoilMotion, model: FilmedModel | None) -> tuple[Measure
 
 
 def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> list[Path]:
-    """``displacement-coil-N.csv`` (measured cycles), ``peaks.csv``, ``tracks.csv``,
-    ``spectrum.csv`` and, with a model, ``model.csv``.
+    """``displacement-coil-N.csv`` (measured cycles), ``peaks.csv``, ``tracks.csv`` and, with a
+    model, ``model.csv``.
     """
     files = [
-        write_cycles(folder / f"displacement-coil-{coil}.csv", [cycles])
+        write_cycles(folder / f"displacement-coil-{coil}.csv", cycles)
         for coil, cycles in enumerate(named_cycles(motion, model), start=1)
     ]
     coils = range(1, motion.coils + 1)
@@ -51,11 +51,8 @@ def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> l
     )
     heads += [f"{word} {coil} [{unit}]" for word, unit in kinds for coil in coils]
     tracks = np.column_stack([*columns, 1e3 * motion.displacement, motion.places, motion.spread])
-    spectrum = np.column_stack([motion.spectrum_frequency, 1e6 * motion.spectrum_amplitude])
-    tables: dict[str, tuple[Sequence[str], Sequence[Sequence[float]]]] = {
-        "tracks.csv": (heads, tracks.tolist()),
-        "spectrum.csv": (("frequency [Hz]", "amplitude [um]"), spectrum.tolist()),
-    }
+    tables: dict[str, tuple[Sequence[str], Sequence[Sequence[float]]]] = {}
+    tables["tracks.csv"] = heads, tracks.tolist()
     if motion.peaks:
         head = [column.csv for column in PEAK_COLUMNS if column.csv]
         rows = [csv_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)]

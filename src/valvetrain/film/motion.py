@@ -32,7 +32,7 @@ from valvetrain.film.frames import Picture, open_film
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, SpaceTime, find_line, read_space_time
-from valvetrain.film.surge import fit_surge, spectrum
+from valvetrain.film.surge import fit_surge
 from valvetrain.film.tracks import Tracks, track
 from valvetrain.measured.cycles import MeasuredCycles
 
@@ -170,10 +170,6 @@ def coil_motion(
             for coil, place in enumerate(moved.T, 1)
         )
     surge = fit_surge(moved, closed, seen.frame_rate)
-    for ringing in surge.lines if surge is not None else ():
-        lost = 1 - float(np.sinc(ringing.natural_frequency * (setup.exposure or 0.0)))
-        if lost > 0.005:
-            notes.append(f"motion blur lowers the swing at {ringing.natural_frequency:.4g} Hz by {100 * lost:.2g} %")  # fmt: skip
     return CoilMotion(
         seen,
         places,
@@ -185,7 +181,6 @@ def coil_motion(
         tops,
         dwell,
         surge,
-        *spectrum(moved, seen.number, seen.frame_rate),
         scale,
         scale_spread,
         drift,

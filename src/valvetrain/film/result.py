@@ -33,7 +33,6 @@ class CoilMotion(Reported):
     peaks : per coil its largest displacement a turn with scatter
     dwell : cam angles (rad) of the closed valve
     surge : fitted decay; None where the dwell is too short
-    spectrum_frequency, spectrum_amplitude : spectrum of the whole film, Hz and m
     metres_per_pixel, scale_spread : scale and its standard deviation
     drift : (frames,) px that was taken off
     notes : what was found or done, a sentence each
@@ -54,8 +53,6 @@ class CoilMotion(Reported):
     peaks: tuple[CoilPeak, ...]
     dwell: tuple[float, float] | None
     surge: SurgeFit | None
-    spectrum_frequency: Array
-    spectrum_amplitude: Array
     metres_per_pixel: float
     scale_spread: float
     drift: Array

@@ -44,7 +44,6 @@ class FilmSetup:
     free_decay : the cam does not turn; the spring is struck and rings, so the whole film is one
         decay
     first_frame, last_frame : frames that are used, counted from 0
-    exposure : time for which a frame is exposed, a time; for what motion blur does to the lines
 
     Raises
     ------
@@ -72,7 +71,6 @@ class FilmSetup:
     free_decay: bool = False
     first_frame: int = 0
     last_frame: int | None = None
-    exposure: float | None = None
 
     if TYPE_CHECKING:  # accepted types are wider than the stored one
 
@@ -95,7 +93,6 @@ class FilmSetup:
             free_decay: bool = False,
             first_frame: int = 0,
             last_frame: int | None = None,
-            exposure: Given | None = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -107,7 +104,6 @@ class FilmSetup:
             marker_angle="angle",
             cam_speed="cam_speed",
             first_angle="angle",
-            exposure="time",
         )
         for name, count in (("line", 4), ("scale_points", 4), ("marker", 2)):
             if (points := getattr(self, name)) is not None:
@@ -126,7 +122,7 @@ class FilmSetup:
                 "the two points of the scale are the same or their distance is not positive; correct them",
                 "scale_points",
             )
-        for name, low in (("frame_rate", 1.0), ("exposure", 1e-9), ("cam_speed", 1e-3)):
+        for name, low in (("frame_rate", 1.0), ("cam_speed", 1e-3)):
             value = getattr(self, name)
             if value is not None and not low <= value <= 1e7:
                 raise InputError(f"no film has a {name} of {value:g} in SI units; correct it", name)

@@ -1,6 +1,4 @@
-"""Surge of a spring in the dwell: frequencies and damping of its free decay with their intervals,
-and the spectrum of a film.
-"""
+"""Surge of a spring in the dwell: frequencies and damping of its free decay with their intervals."""
 
 from __future__ import annotations
 
@@ -44,11 +42,6 @@ class SurgeLine:
     def decay_rate(self) -> float:
         """Rate (1/s) at which the amplitude falls: exp(-rate t)."""
         return 2 * np.pi * self.natural_frequency * self.damping_ratio
-
-    @property
-    def logarithmic_decrement(self) -> float:
-        """Logarithm of the ratio of one swing to the next."""
-        return float(2 * np.pi * self.damping_ratio / np.sqrt(1 - self.damping_ratio**2))
 
     def __repr__(self) -> str:
         return (
@@ -219,24 +212,6 @@ def _described(
         _basis(fine, lines)[:, 1:] @ shares[1:, strongest],
         int(coils[strongest]),
     )
-
-
-def spectrum(moved: Array, number: NDArray[np.int64], frame_rate: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and amplitudes (m) of the motion, root mean square over coils; Hann window,
-    lost frames filled evenly.
-    """
-    even = np.arange(number[-1] + 1)
-    window = np.hanning(len(even) + 2)[1:-1]
-    powers = []
-    for place in moved.T:
-        good = np.isfinite(place)
-        if good.sum() >= 4:
-            signal = np.interp(even, number[good], place[good])
-            signal -= np.polyval(np.polyfit(even, signal, 1), even)
-            powers.append(np.abs(np.fft.rfft(signal * window) * 2 / window.sum()) ** 2)
-    frequency = np.fft.rfftfreq(len(even), 1 / frame_rate)
-    amplitude = np.sqrt(np.mean(powers, axis=0)) if powers else np.zeros(len(frequency))
-    return np.asarray(frequency), np.asarray(amplitude)
 
 
 def alias_of(natural_frequency: float, frame_rate: float) -> float:

@@ -81,7 +81,6 @@ LINE_COLUMNS: list[RowColumn] = [
     ),
     RowColumn("95 %, ±", lambda row: digits_text(BAND * row.line.damping_spread, 0, 2)),
     RowColumn("decay rate", lambda row: f"{digits_text(row.line.decay_rate)} 1/s", "line.decay_rate", "decay_rate"),
-    RowColumn("log. decrement", None, "line.logarithmic_decrement", "logarithmic_decrement"),
     RowColumn("amplitude", None, "line.amplitude", "amplitude", quantity=LENGTH)
 ]  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -64,18 +65,12 @@ def register(app: typer.Typer) -> None:
 def rig(
     file: Annotated[
         Path,
-        typer.Argument(
-            metavar="FILE", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58."
-        ),
+        typer.Argument(metavar="FILE", help="Recording: text, MDF, TDMS or MAT; read by content."),
     ],
     case: Annotated[
         str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")
     ] = None,
     settings: SetOption = None,
-    write: Annotated[
-        Path | None,
-        asks("--write", "FILE", "Write the cycles too: NetCDF (.nc), or text for one channel."),
-    ] = None,
     output: OutputOption = None,
     open_page: OpenOption = False,
     as_json: JsonOption = False,
@@ -88,12 +83,10 @@ def rig(
 
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.measured.cycles import write_cycles
     from valvetrain.rig.answer import RigAnswer
     from valvetrain.rig.channels import RigAnswers
     from valvetrain.rig.cycles import rig_cycles
     from valvetrain.rig.files import data_of, write_rig
-    from valvetrain.solution.atomic import check_target
     from valvetrain.views.files import FreeNames
 
     name_case(case or "", settings)
@@ -101,18 +94,10 @@ def rig(
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")
     chosen = None if case is None else choose_case(case, settings)
-    if write is not None:
-        check_target(write, "--write")
     asked = RigAnswers(**answers)
     with busy("cutting the recording into cycles"):
         result = rig_cycles(file, asked, chosen)
     name = FreeNames().free(f"rig-{file.stem}")
-
-    def write_files(folder: Path) -> list[Path]:
-        files = write_rig(result, folder)
-        if write is not None:
-            write_cycles(write, result.cycles)
-        return files
 
     # two saved runs are the same where the request and the bytes of the file are
     choices = {key: str(value) for key, value in vars(asked).items() if value}
@@ -129,7 +114,7 @@ def rig(
             text,
             data,
             lambda folder: RigAnswer(result, folder=folder),
-            write_files,
+            partial(write_rig, result),
             choices,
             open_page,
         )

@@ -27,7 +27,7 @@ GRIDS = (360, 720, 1440, 1800, 2400, 3600, 4800, 7200)
 #: Share of the sampling rate that is used, so that the filter ends below half of it.
 USED_BAND = 0.4
 #: Values of one channel over all cycles, at most.
-MAX_VALUES = 50_000_000
+MAX_VALUES = 10_000_000
 #: A cycle is an outlier where its distance to the median cycle exceeds the median distance by
 #: SPREADS times the spread of distances, is MULTIPLE times the median distance and more than
 #: MIN_SHARE of the swing of a cycle; of fewer than MIN_CYCLES none can be identified.

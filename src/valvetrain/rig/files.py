@@ -14,8 +14,6 @@ from valvetrain.views.columns import RowColumn, csv_text, json_row
 
 #: Scatter (cam deg) of the angle of an extreme above which the angle is that of no peak.
 FLAT = 15.0
-#: Values of a channel above which its cycles are written as NetCDF alone, not as text too.
-MAX_IN_TEXT = 2_000_000
 
 
 def quantity_of(peak: Peak) -> str:
@@ -80,15 +78,8 @@ def rows_of(result: RigResult) -> list[Peak]:
 
 
 def write_rig(result: RigResult, folder: Path) -> list[Path]:
-    """``cycles.nc`` with every channel, ``<quantity>.csv`` with the cycles of each, ``means.csv``
-    with means, scatter and bands.
-    """
-    files = [write_cycles(folder / "cycles.nc", result.cycles)]
-    files += [
-        write_cycles(folder / f"{one.quantity}.csv", [one])
-        for one in result.cycles
-        if one.values.size <= MAX_IN_TEXT
-    ]
+    """``<quantity>.csv`` with the cycles of each channel, ``means.csv`` with means, scatter and bands."""
+    files = [write_cycles(folder / f"{one.quantity}.csv", one) for one in result.cycles]
     columns = [("cam angle [deg]", np.degrees(result.grid.cam_angle))]
     for channel in result.channels:
         one = channel.cycles

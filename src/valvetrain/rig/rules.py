@@ -43,8 +43,8 @@ class RigFacts(Subject):
         result, drifting = self.result, self.drifting()
         if not (self.name and result.placed):
             return ""
-        place = next((at for at, one in enumerate(result.channels, 1) if one not in drifting), 1)
-        return f"{self.folder / 'cycles.nc'}{f' --channel {place}' * (len(result.channels) > 1)}"
+        steady = [one for one in result.channels if one not in drifting] or result.channels
+        return f"{self.folder / steady[0].cycles.quantity}.csv"
 
     def step(self, advice: str, quantity: str = "") -> Phrase:
         """Comparing a model with the cycles; the ``advice`` without a case."""

@@ -34,9 +34,7 @@ def compare(run_a: Run, run_b: Run) -> DifferenceAnswer:
     return DifferenceAnswer(differences(one, other))
 
 
-def against(
-    run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0
-) -> ModelAgainstTest:
+def against(run: Run, name: str, test_data: bytes, quantity: str = "") -> ModelAgainstTest:
     """Measured cycles, or a table of measured values, against the curves of a run, as ``valvetrain
     compare-test`` has them.
 
@@ -45,7 +43,7 @@ def against(
     run : a saved run
     name : name of the file of the test, whose ending stays
     test_data : its content
-    quantity, channel : as ``--quantity`` and ``--channel``
+    quantity : as ``--quantity``
 
     Raises
     ------
@@ -63,7 +61,7 @@ def against(
         path = inside(Path(folder), f"test{suffix}")
         path.write_bytes(test_data)
         try:
-            return compare_study_with_test(study, case, path, quantity=quantity, channel=channel)
+            return compare_study_with_test(study, case, path, quantity=quantity)
         except InputError as error:
             raise InputError(
                 error.reason,
