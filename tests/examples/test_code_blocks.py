@@ -59,7 +59,7 @@ SLOW = (
     "valvetrain sweep my-train.toml --rpm 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
     '--rpm "6000 rpm" --search "4000:9000:500 rpm"',
-    'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind --rpm "5600 rpm"',
+    "valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind",
     "valvetrain study examples/studies/beehive-tolerances.toml", "valvetrain study examples/studies/two-quantities.toml",
     "valvetrain study examples/studies/train-seating.toml", "valvetrain optimise examples/optimise-spring-loads.toml",
 )  # fmt: skip

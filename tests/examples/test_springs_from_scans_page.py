@@ -33,7 +33,7 @@ def test_the_script_writes_the_clouds_that_the_page_names(tmp_path):
     assert named == {"beehive-as-made.ply", "beehive.ply"}
     for name in (*named, "progressive.xyz"):
         cloud = open_cloud(tmp_path / name)
-        points = np.concatenate(list(cloud.blocks))
+        points = cloud.points
         assert cloud.unit == "mm" and points.shape[1] == 3 and len(points) > 1000
         truth = np.loadtxt(tmp_path / f"{Path(name).stem}-truth.csv", delimiter=",", skiprows=1)
         # most points lie half a wire from the wire axis, which an even look at some of them shows

@@ -182,7 +182,7 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
         )
     wire = compared.cases[1].springs[0].wire
     assert wire.material == compared.cases[0].springs[0].wire.material
-    with pytest.raises(InputError, match="name its label"):
+    with pytest.raises(InputError, match="is compared"):
         compared.number("peak_spring_force")
 
 

@@ -1,4 +1,4 @@
-"""Unit: points of a scan out of PLY, STL, OBJ and text, whole, in blocks, and refused in one
+"""Unit: points of a scan out of PLY, STL, OBJ and text, whole, and refused in one
 sentence where they are damaged.
 """
 
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.scan import clouds as text_points
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.reconstruct import draw_points
 
@@ -24,7 +23,7 @@ def read(tmp_path, content, name="scan.ply"):
     file = tmp_path / name
     file.write_bytes(content)
     cloud = open_cloud(file)
-    return cloud, np.concatenate(list(cloud.blocks))
+    return cloud, cloud.points
 
 
 def rows(mark=" ", form="{:.3f}", comma="."):
@@ -72,7 +71,7 @@ def test_meshes_of_another_library_are_read(tmp_path, kind):
     word, _, _ = kind.partition(" ")
     more = {"ply text": {"encoding": "ascii"}, "stl text": {"file_type": "stl_ascii"}}.get(kind, {})
     mesh.export(tmp_path / f"mesh.{word}", **more)
-    points = np.concatenate(list(open_cloud(tmp_path / f"mesh.{word}").blocks))
+    points = open_cloud(tmp_path / f"mesh.{word}").points
     assert np.sort(points, axis=0) == pytest.approx(np.sort(POINTS, axis=0), abs=1e-4)
 
 
@@ -99,13 +98,6 @@ def test_other_properties_of_points_are_passed_by(tmp_path):
     assert read(tmp_path, head(more=more) + rows_.tobytes())[1] == pytest.approx(POINTS, abs=1e-5)
 
 
-def test_a_long_text_is_read_in_blocks_and_gives_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(text_points, "BLOCK", 1000)
-    (tmp_path / "c.xyz").write_text(rows())
-    blocks = list(open_cloud(tmp_path / "c.xyz").blocks)
-    assert len(blocks) > 10 and np.concatenate(blocks) == pytest.approx(POINTS, abs=1e-5)
-
-
 STL = b"\0" * 80 + (2).to_bytes(4, "little")
 
 
@@ -123,8 +115,7 @@ STL = b"\0" * 80 + (2).to_bytes(4, "little")
         ("a.xyz", b"\0\1\2\3" * 40), ("a.xyz", b"1 2 3\n" + b"7" * 200_000),
     ],
 )  # fmt: skip
-def test_damaged_files_are_refused_in_one_sentence(tmp_path, monkeypatch, name, content):
-    monkeypatch.setattr(text_points, "BLOCK", 50_000)
+def test_damaged_files_are_refused_in_one_sentence(tmp_path, name, content):
     with pytest.raises(InputError) as refused:
         read(tmp_path, content, name)
     assert str(refused.value).count(". ") == 0
@@ -142,8 +133,8 @@ def test_what_is_no_file_and_what_is_too_large_are_refused(tmp_path, monkeypatch
 
 def test_a_draw_is_bounded_even_and_the_same_in_any_order():
     points = np.random.default_rng(4).normal(size=(40_000, 3))
-    once = draw_points(np.array_split(points, 7), 5000, "scan")
-    again = draw_points(np.array_split(points[::-1], 31), 5000, "scan")
+    once = draw_points(points, 5000, "scan")
+    again = draw_points(points[::-1], 5000, "scan")
     assert (
         np.array_equal(once.points, again.points)
         and len(once.points) == 5000
@@ -155,16 +146,16 @@ def test_a_draw_is_bounded_even_and_the_same_in_any_order():
 
 def test_a_point_that_stands_often_is_drawn_once():
     points = np.random.default_rng(4).normal(size=(2000, 3))
-    assert len(draw_points([points, points, points], 10_000, "scan").points) == 2000
+    assert len(draw_points(np.tile(points, (3, 1)), 10_000, "scan").points) == 2000
 
 
 def test_points_without_numbers_are_counted_and_many_of_them_refused():
     points = np.random.default_rng(4).normal(size=(4000, 3))
     points[::20] = np.nan
-    drawn = draw_points([points], 10_000, "scan")
+    drawn = draw_points(points, 10_000, "scan")
     assert (drawn.broken, len(drawn.points)) == (200, 3800)
     points[::4] = np.inf
     with pytest.raises(InputError, match="of the 4000 points of 'scan' are no numbers"):
-        draw_points([points], 10_000, "scan")
+        draw_points(points, 10_000, "scan")
     with pytest.raises(InputError, match="holds 100 different points"):
-        draw_points([POINTS[:100]], 10_000, "scan")
+        draw_points(POINTS[:100], 10_000, "scan")

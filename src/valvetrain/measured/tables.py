@@ -297,7 +297,8 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
 
 
 def _parts(heading: str, width: int) -> list[str] | None:
-    for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+"):
+    # a unit in brackets belongs to the word before it
+    for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+(?![\[(])", r"\s+"):
         parts = [part.strip().translate(_SHOW) for part in re.split(pattern, heading.strip())]
         if len(parts) == width and all(parts):
             return parts

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import groupby
 
 import numpy as np
 
-from valvetrain.findings.engine import Findings, Mark, judge
-from valvetrain.findings.words import Amount, Words, speed_text
+from valvetrain.findings.engine import Mark
+from valvetrain.findings.words import Amount
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import percent
 from valvetrain.scan import figures
@@ -18,9 +17,8 @@ from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
 from valvetrain.solution.definition import label_of
-from valvetrain.units.reader import shown_system
 from valvetrain.views.files import spring_text
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 
@@ -30,22 +28,18 @@ GREY = "grey: 95 % of what the scatter of the points leaves"
 
 
 @dataclass(frozen=True)
-class ScanAnswer(Shown):
+class ScanAnswer(ShownByRules):
     """What is shown of a ``scan``, and of the comparison with its design, in the units of the reader by default."""
+
+    rules = RULES
 
     scan: ScannedSpring
     compared: ScanComparison | None = None
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> ScanFacts:
         """The scan as rules read it."""
         return ScanFacts(self.scan, self.compared)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def title(self) -> str:
@@ -110,12 +104,9 @@ class ScanAnswer(Shown):
         return *both, percent(number.difference) if number.design else ""
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Every compared number by run."""
-        rows: list[tuple[str, ...]] = []
-        for speed, group in groupby(self.facts.numbers, lambda number: number.engine_speed):
-            rows.append(("at rest" if speed is None else speed_text(speed),))
-            rows += [(f"{label_of(number.quantity)} {number.label}", *self._compared(number)) for number in group]  # fmt: skip
-        return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), tuple(rows))}
+        """Every compared number."""
+        rows = tuple((label_of(number.quantity), *self._compared(number)) for number in self.facts.numbers)  # fmt: skip
+        return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), rows)}
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """The points about the axis and the curves; design and scan by force first where there is a design."""

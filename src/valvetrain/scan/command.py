@@ -16,13 +16,7 @@ from valvetrain.cli.options import (
     OpenOption,
     OutputOption,
     QuietOption,
-    SpeedOption,
-    SpringOption,
-    WorkersOption,
-    asks,
-    read_engine_speeds,
-    read_models,
-    read_workers,
+    asking,
     take_folder,
 )
 from valvetrain.cli.run_answer import SavedRequest, saved_result
@@ -32,10 +26,20 @@ if TYPE_CHECKING:
     from valvetrain.scan.compare import ScanComparison
     from valvetrain.scan.result import ScannedSpring
 
+#: Argument of :func:`spring_from_scan` -> its option, what follows that, and its help.
+ASKED = {
+    "unit": ("--unit", "UNIT", "Unit of the coordinates: mm, m, inch, where the file gives none."),
+    "material": ("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr)."),
+    "name": ("--name", "NAME", "Name of the spring in the results."),
+    "turn_over": ("--turn-over", "", "Swap the ends: the end taken as upper becomes the lower one."),
+    "points": ("--points", "N", "Largest number of points in the fit, drawn evenly (100 000)."),
+    "design": ("--design", "CASE", "Case of the design: sizes, curves, statics, modes next to it."),
+}  # fmt: skip
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("scan")(scan)
+    app.command("scan")(asking(scan, ASKED))
 
 
 def scan(
@@ -46,50 +50,18 @@ def scan(
             help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.",
         ),
     ],
-    unit: Annotated[
-        str,
-        asks(
-            "--unit",
-            "UNIT",
-            "Unit of the coordinates, such as mm, m or inch, where the file gives none.",
-        ),
-    ] = "",
-    material: Annotated[
-        str,
-        asks("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr)."),
-    ] = "",
-    name: Annotated[
-        str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")
-    ] = "spring",
-    turn_over: Annotated[
-        bool,
-        typer.Option(
-            "--turn-over", help="Swap the ends: the end taken as upper becomes the lower one."
-        ),
-    ] = False,
-    points: Annotated[
-        int,
-        typer.Option(
-            "--points", metavar="N", help="Largest number of points in the fit, drawn evenly."
-        ),
-    ] = 100_000,
-    design: Annotated[
-        str | None,
-        asks("--design", "CASE", "Case of the design: curves, statics, modes, runs next to it."),
-    ] = None,
-    engine_speed: SpeedOption = None,
-    spring: SpringOption = None,
     output: OutputOption = None,
-    workers: WorkersOption = None,
     open_page: OpenOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
+    *,
+    answers: dict[str, Any],
 ) -> None:
     """Spring definition from a 3-D scan: wire axis, section, diameter and pitch with their scatter;
     compared with its design.
     """
     from valvetrain.cli.outcome import deliver
-    from valvetrain.cli.progress import announce_compilation, busy, progress_bar
+    from valvetrain.cli.progress import announce_compilation, busy
     from valvetrain.findings.words import Words
     from valvetrain.parameters.loading import load_case, parse_case
     from valvetrain.parameters.material import material_by_name
@@ -100,53 +72,36 @@ def scan(
     from valvetrain.units.reader import shown_system
 
     take_folder(output)
-    if design is None and (engine_speed is not None or spring):
-        raise InputError(
-            "speeds are run with the lift of a design; name its case with --design", "--design"
-        )
-    if design is not None and turn_over:
-        raise InputError(
-            "with a design the curves of both decide which end is up; leave --turn-over out",
-            "--turn-over",
-        )
-    if design is not None and material:
-        raise InputError(
-            "with a design the wire is of its material; leave --material out", "--material"
-        )
-    speeds, models = read_engine_speeds(engine_speed), read_models(spring)
-    case = None if design is None else load_case(design)
+    choices = {name: str(value) for name, value in answers.items()}
+    case = load_case(answers.pop("design")) if "design" in answers else None
     if case is not None:
         design_spring(case)
-    steel = material_by_name(material) if material else None
-    count = read_workers(workers)
+        for name, why in (
+            ("turn_over", "the curves of both decide which end is up"),
+            ("material", "the wire is of its material"),
+        ):
+            if name in answers:
+                flag = ASKED[name][0]
+                raise InputError(f"with a design {why}; leave {flag} out", flag)
+    if "material" in answers:
+        answers["material"] = material_by_name(answers["material"])
     with busy("fitting the wire to the points"):
-        scanned = spring_from_scan(
-            file, unit=unit, material=steel, name=name, turn_over=turn_over, points=points
-        )
+        scanned = spring_from_scan(file, **answers)
     compared = None
     if case is not None:
         announce_compilation("statics")
-        with progress_bar("design and scan") as report:
-            compared = compare_scan(
-                scanned,
-                case,
-                speeds,
-                models=models or ("finite-element",),
-                workers=count,
-                progress=report,
-            )
+        with busy("design and scan at rest"):
+            compared = compare_scan(scanned, case)
         scanned = compared.scan
 
     def show(folder: Path) -> ScanAnswer:
-        return ScanAnswer(
-            scanned, compared, Words(shown_system(), case=str(folder / "spring.toml"))
-        )
+        words = Words(shown_system(), case=str(folder / "spring.toml"))
+        return ScanAnswer(scanned, compared, words=words)
 
     answer, now = ScanAnswer(scanned, compared), datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("scan", parse_case(answer.text, "scan"), output, now)
     data, write = _data(scanned, compared), partial(write_scan, answer)
     failures = () if compared is None else compared.failures
-    choices = {"name": name}
     deliver(saved_result(request, answer.text, data, show, write, choices, open_page, failures))
 
 
@@ -178,8 +133,6 @@ def _data(scanned: ScannedSpring, compared: ScanComparison | None) -> dict[str, 
     if compared is not None:
         data["design"] = compared.cases[0].name
         data["compared"] = [
-            {"quantity": number.quantity, "label": number.label, "engine_speed": number.engine_speed, "design": number.design, "scan": number.scanned}
-            for number in compared.numbers
+            {"quantity": number.quantity, "design": number.design, "scan": number.scanned} for number in compared.numbers
         ]  # fmt: skip
-        data["failures"] = list(compared.failures)
     return data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,15 +13,11 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
-from valvetrain.runs.api import Speeds, simulate
 from valvetrain.runs.statics import static_study
-from valvetrain.runs.stopping import shows_progress
-from valvetrain.runs.workers import Progress
 from valvetrain.scan.reconstruct import turned_over
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.display import Shown
 from valvetrain.solution.study import Study
-from valvetrain.springs.spec import spring_model
 
 Array = NDArray[np.float64]
 #: Natural frequencies that are searched, and axial ones that are compared.
@@ -40,13 +35,9 @@ AT_REST = (
 
 @dataclass(frozen=True, slots=True)
 class ComparedNumber:
-    """One quantity of the design and of the scanned spring, SI; ``engine_speed`` (rad/s) None where
-    it belongs to none.
-    """
+    """One quantity at rest of the design and of the scanned spring, SI."""
 
     quantity: str
-    label: str
-    engine_speed: float | None
     design: float
     scanned: float
 
@@ -60,61 +51,40 @@ class ComparedNumber:
 class ScanComparison(Shown):
     """A scanned spring compared with its design.
 
-    ``scan``: the same end up as the design; ``cases``, ``rest`` and ``runs``: design first, then
-    scanned; ``runs`` None without speeds;
+    ``scan``: the same end up as the design; ``cases`` and ``rest``: design first, then scanned;
     ``numbers``: what both have.
 
-    >>> ComparedNumber("preload", "", None, design=288.9, scanned=288.6).scanned
+    >>> ComparedNumber("preload", design=288.9, scanned=288.6).scanned
     288.6
     """
 
     scan: ScannedSpring
     cases: tuple[Case, Case]
     rest: tuple[Study, Study]
-    runs: tuple[Study, Study] | None
     numbers: tuple[ComparedNumber, ...]
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """A sentence per run that did not complete."""
-        studies = (*self.rest, *(self.runs or ()))
-        words = zip(("design", "scan") * 2, studies, strict=False)
-        return tuple(f"{word}: {sentence}" for word, study in words for sentence in study.failures)
+        """A sentence per analysis that did not complete."""
+        studies = zip(("design", "scan"), self.rest, strict=True)
+        return tuple(
+            f"{word}: {sentence}" for word, study in studies for sentence in study.failures
+        )
 
-    def number(
-        self, quantity: str, label: str = "", engine_speed: float | None = None
-    ) -> ComparedNumber:
-        """The one of ``quantity``; ``label`` and ``engine_speed`` (rad/s) where needed. Raises
-        :class:`InputError` unless one fits.
-        """
-        asked = (quantity, label, engine_speed)
-        fits = [
-            number
-            for number in self.numbers
-            if all(word in ("", None, value) for word, value in zip(asked, (number.quantity, number.label, number.engine_speed), strict=True))
-        ]  # fmt: skip
-        if len(fits) != 1:
-            raise InputError(
-                f"{len(fits) or 'no'} values of '{quantity[:60]}' fit; name its label and engine speed"
-            )
-        return fits[0]
+    def number(self, quantity: str) -> ComparedNumber:
+        """The one of ``quantity``. Raises :class:`InputError` where it is not compared."""
+        for number in self.numbers:
+            if number.quantity == quantity:
+                return number
+        raise InputError(f"no value of '{quantity[:60]}' is compared")
 
     def __repr__(self) -> str:
         return f"ScanComparison of '{self.scan.source}' with '{self.cases[0].name}': {len(self.numbers)} quantities of both"
 
 
-@shows_progress("design and scan")
-def compare_scan(
-    scan: ScannedSpring,
-    design: AnyCase,
-    engine_speeds: Speeds | None = None,
-    *,
-    models: Sequence[str] = ("finite-element",),
-    workers: int | None = None,
-    progress: Progress | None = None,
-) -> ScanComparison:
-    """The analyses of a design with its own spring and with the scanned one: static curve, natural
-    frequencies, runs at engine speeds.
+def compare_scan(scan: ScannedSpring, design: AnyCase) -> ScanComparison:
+    """The analyses at rest of a design with its own spring and with the scanned one: static curve and
+    natural frequencies.
 
     The scanned spring takes material, damping, contacts, seats and options of the design's, and
     is at the same height between the
@@ -125,11 +95,6 @@ def compare_scan(
     ----------
     scan : what :func:`spring_from_scan` found
     design : Case, name or path of a case with one spring known by its wire
-    engine_speeds : speeds of the crank, "5600 rpm", rad/s or pint quantities; nothing is run
-        without any
-    models : words of the spring models that run
-    workers : runs at a time; results do not depend on it
-    progress : called with the share done and what was done
 
     Returns
     -------
@@ -166,24 +131,11 @@ def compare_scan(
     scanned = replace(case, springs=(as_installed(upright, installed),), title=title)
     cases = case, scanned
     rest = [static_study(part, command="modes", modes=MODES, implausible=True) for part in cases]
-    numbers, runs = _at_rest(cases, rest), []
-    if engine_speeds is not None:
-        for model in models:
-            spring_model(model, "models")
-        for first, part in ((0.0, case), (0.5, scanned)):
-
-            def report(done: float, labels: str, first: float = first) -> None:
-                if progress is not None:
-                    progress(first + 0.5 * done, labels)
-
-            runs.append(simulate(part, engine_speeds, models=models, workers=workers, progress=report))  # fmt: skip
-        numbers += _in_motion(*runs)
+    numbers = _at_rest(cases, rest)
     notes = [note for note in upright.notes if not note.startswith(ASSUMED)]
     notes.append(f"material, damping, contacts and inactive turns of the design '{case.name}'")
     upright = replace(upright, notes=tuple(notes))
-    return ScanComparison(
-        upright, cases, (rest[0], rest[1]), (runs[0], runs[1]) if runs else None, tuple(numbers)
-    )
+    return ScanComparison(upright, cases, (rest[0], rest[1]), tuple(numbers))
 
 
 def design_spring(case: Case) -> InstalledSpring:
@@ -243,7 +195,7 @@ def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNum
             rate = float(np.interp(at, path.compression, path.stiffness))
             quantities |= {"preload": curve.force_at(at), "installed_rate": rate}
     design, scanned = values
-    compared = [ComparedNumber(name, "", None, design[name], scanned[name]) for name in AT_REST if name in design and name in scanned]  # fmt: skip
+    compared = [ComparedNumber(name, design[name], scanned[name]) for name in AT_REST if name in design and name in scanned]  # fmt: skip
     modes, other = (study.rest[0].modes for study in studies)
     if modes is None or other is None:
         return compared
@@ -254,14 +206,5 @@ def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNum
         if len(near):
             same = near[np.argmax(np.abs(other.axial_transmission[near]))]
             value = float(other.natural_frequency[same])
-            compared.append(ComparedNumber(f"mode_{place}_frequency", "", None, frequency, value))
+            compared.append(ComparedNumber(f"mode_{place}_frequency", frequency, value))
     return compared
-
-
-def _in_motion(design: Study, scanned: Study) -> list[ComparedNumber]:
-    """Quantities of runs that both have, by speed and model."""
-    values = [
-        {(key.name, key.label, key.engine_speed): float(value) for key, value in study.quantities.items() if key.engine_speed is not None}
-        for study in (design, scanned)
-    ]  # fmt: skip
-    return [ComparedNumber(*key, value, values[1][key]) for key, value in values[0].items() if key in values[1]]  # fmt: skip

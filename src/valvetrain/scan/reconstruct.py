@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,24 +36,19 @@ class Drawn:
     broken: int
 
 
-def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
-    """At most ``most`` different points of all ``blocks``: those whose coordinates, mixed to one
-    number each, come first.
+def draw_points(points: Array, most: int, name: str) -> Drawn:
+    """At most ``most`` different ``points`` (n, 3): those whose coordinates, mixed to one number each,
+    come first.
 
-    Raises :class:`InputError` for fewer than :data:`FEWEST`, and where many rows hold no numbers.
+    Raises :class:`InputError` for fewer than :data:`MIN_POINTS`, and where many rows hold no numbers.
     """
-    chosen, marks = np.zeros((0, 3)), np.zeros(0, dtype=np.uint64)
-    read = broken = 0
-    for block in blocks:
-        read += len(block)
-        numbers = block[np.all(np.abs(block) < 1e12, axis=1)]
-        broken += len(block) - len(numbers)
-        marks, first = np.unique(np.append(marks, _mixed(numbers)), return_index=True)
-        chosen, marks = np.concatenate([chosen, numbers])[first[:most]], marks[:most]
+    numbers = points[np.all(np.abs(points) < 1e12, axis=1)]
+    read, broken = len(points), len(points) - len(numbers)
     if broken > DAMAGED * max(read, 1):
         raise InputError(
             f"{broken} of the {read} points of '{name}' are no numbers; export the scan again"
         )
+    chosen = numbers[np.unique(_mixed(numbers), return_index=True)[1][:most]]
     if len(chosen) < MIN_POINTS:
         raise InputError(
             f"'{name}' holds {len(chosen)} different points; {MIN_POINTS} or more are needed, so scan it finer"
@@ -100,7 +94,7 @@ def spring_from_scan(
 
     Parameters
     ----------
-    file : PLY, STL, OBJ or text with x, y and z in columns, of any size
+    file : PLY, STL, OBJ or text with x, y and z in columns
     unit : of the coordinates, "mm", "m" or "inch"; where the file does not give it
     material : of the wire; EN 10270-2 VDSiCr where none is given
     name : word for the spring
@@ -138,7 +132,7 @@ def spring_from_scan(
         raise InputError(
             f"{points} points cannot be fitted; choose {MIN_POINTS} to 2000000", "points"
         )
-    drawn = draw_points(cloud.blocks, points, cloud.name)
+    drawn = draw_points(cloud.points, points, cloud.name)
     across = float(np.max(np.ptp(np.quantile(drawn.points, (0.02, 0.98), axis=0), axis=0))) * factor
     if not SMALLEST <= across <= LARGEST:
         raise InputError(
@@ -147,7 +141,7 @@ def spring_from_scan(
         )
     seen, corners = drawn.points * factor, None
     if len(cloud.surface):
-        seen, corners = draw_points([cloud.surface], points, cloud.name).points * factor, seen
+        seen, corners = draw_points(cloud.surface, points, cloud.name).points * factor, seen
     fitted = fit_spring(seen, corners)
     down = upside_down(fitted) != turn_over
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.findings.engine import Hit, Rule, Subject
-from valvetrain.findings.words import Amount, digits_text, speed_text
+from valvetrain.findings.words import Amount, digits_text
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.summary import percent
@@ -25,12 +25,6 @@ BRIDGED, EXPLAINED = 0.04 * math.tau, 0.8
 AS_DRAWN, DECIDING = 0.02, ("installed_rate", "preload")
 #: Share by which a size may be off the design.
 SIZE = 0.01
-#: Quantities of a run that are compared where both have them.
-IN_MOTION = {
-    "peak_spring_force", "minimum_spring_force", "stage_2_peak_force", "stage_3_peak_force", "main_clash_peak_force",
-    "main_clash_below_5_khz_peak_force", "peak_clash_force", "clash_count", "clash_energy", "surge_amplitude_force", "peak_shear_stress",
-    "open_nominal_shear_stress", "coil_bind_clearance",
-}  # fmt: skip
 
 
 class Size(NamedTuple):
@@ -87,14 +81,9 @@ class ScanFacts(Subject):
         ]  # fmt: skip
 
     @property
-    def numbers(self) -> list[ComparedNumber]:
-        """What is compared: at rest, and in motion what :data:`IN_MOTION` names."""
-        every = () if self.compared is None else self.compared.numbers
-        return [
-            number
-            for number in every
-            if number.engine_speed is None or number.quantity in IN_MOTION
-        ]
+    def numbers(self) -> tuple[ComparedNumber, ...]:
+        """What is compared."""
+        return () if self.compared is None else self.compared.numbers
 
     @property
     def deciding(self) -> list[ComparedNumber]:
@@ -137,7 +126,7 @@ def covered(facts: ScanFacts) -> Iterator[Hit]:
 
 
 def failed(facts: ScanFacts) -> Iterator[Hit]:
-    """Runs of the design or of the scanned spring did not complete."""
+    """Analyses of the design or of the scanned spring did not complete."""
     for sentence in () if facts.compared is None else facts.compared.failures[:1]:
         yield Hit(fields={"first": sentence})
 
@@ -195,8 +184,7 @@ def others(facts: ScanFacts) -> Iterator[Hit]:
     """Other quantities differ from the design by more than 2 %."""
     rows = [number for number in facts.numbers if abs(number.difference) > AS_DRAWN and number not in facts.deciding]  # fmt: skip
     for number in rows:
-        speed = "" if number.engine_speed is None else speed_text(number.engine_speed)
-        yield apart(number, speed=speed, more=f"{len(rows) - 1} more" * (len(rows) > 1))
+        yield apart(number, more=f"{len(rows) - 1} more" * (len(rows) > 1))
 
 
 def oval(facts: ScanFacts) -> Iterator[Hit]:
@@ -217,7 +205,7 @@ RULES = (
          "every coil is bridged there[, and the {tips} tip may be in it]", f"scan that side as well, merge the clouds and {AGAIN}"),
     Rule("Y102", "decides", "only {share} of the points are on the wire", strays, (), "the others are strays, a holder or missed coils",
          f"remove from the cloud what is not the spring and {AGAIN}", mark="warn"),
-    Rule("Y110", "decides", "not all runs completed: {first}", failed),
+    Rule("Y110", "decides", "not all of it was computed: {first}", failed),
     Rule("Y111", "decides", "not as drawn: the {name} is {share} the design's {design:4}", not_as_drawn, DECIDING,
          "the {cause} alone moves it by {part}", STATIC, mark="warn"),
     Rule("Y112", "decides", "as drawn: the {name} is {share} the design's {design:4}", as_drawn, DECIDING, "", STATIC,
@@ -225,7 +213,7 @@ RULES = (
     Rule("Y114", "decides", "not as drawn: {name} {value:4}, {limit:4} in the design", size_off, (), "", STATIC, mark="warn"),
     Rule("Y113", "decides", "the scan covers the spring: points scatter by {value:2} about the wire", covered, (),
          "{turns} turns of {wire:4} wire, {length:4} long", STATIC, mark="ok", unless=("Y101", "Y102")),
-    Rule("Y120", "warns", "the {name}[ at {speed}] is {share} the design[; {more} are off by more than 2 %]", others),
+    Rule("Y120", "warns", "the {name} is {share} the design[; {more} are off by more than 2 %]", others),
     Rule("Y121", "warns", "the wire is oval, {long:4} by {short:4}: the case takes {value:4} round wire, which twists alike", oval, (),
          "[its spring is {longer:2} longer, ]its wire's mass differs by {mass}"),
 )  # fmt: skip
