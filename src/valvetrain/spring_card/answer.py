@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.engine import Findings, judge
-from valvetrain.findings.words import Amount, Words, percent
+from valvetrain.findings.words import Amount, percent
 from valvetrain.measured.force_height import MIN_STATIONS
 from valvetrain.solution.definition import label_of
 from valvetrain.spring_card.card import weight
@@ -18,8 +17,7 @@ from valvetrain.spring_card.fit import CardDeviation, SpringFit, forces_at
 from valvetrain.spring_card.rules import MISSED, RULES, CardFacts, apart
 from valvetrain.spring_card.tester import TesterFit
 from valvetrain.springs.stress import nominal_stress_per_force
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import LEAD, OTHER, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -28,11 +26,12 @@ POINTS = 25
 
 
 @dataclass(frozen=True)
-class CardAnswer(Shown):
+class CardAnswer(ShownByRules):
     """What is shown of a ``spring`` that has a card or a table of forces."""
 
+    rules = RULES
+
     spring: CardFacts
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> CardFacts:
@@ -49,11 +48,6 @@ class CardAnswer(Shown):
             if wire
             else f"{self.facts.fit.spring.name}, from {source}"
         )
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def headings(self) -> list[str]:

@@ -18,7 +18,7 @@ from valvetrain.cli.options import (
     OutputOption,
     QuietOption,
     UnitsOption,
-    asks,
+    asking,
     take_folder,
     take_units,
 )
@@ -36,9 +36,34 @@ if TYPE_CHECKING:
 SPRING = "spring"
 
 
+#: Field of :class:`CatalogueCard` -> its option, what follows that, and its help.
+SIZES = {
+    "wire_diameter": ("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'."),
+    "outer_diameter": ("--outer-diameter", "LENGTH", "Outer diameter of the coils."),
+    "top_outer_diameter": ("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top."),
+    "taper_from_coil": ("--taper-from-coil", "TURNS", "Of a beehive: where it begins to taper."),
+    "solid_height": ("--solid-height", "LENGTH", "Height at coil bind."),
+    "mass": ("--mass", "MASS", "Mass of the spring."),
+    "free_length": ("--free-length", "LENGTH", "Unloaded length."),
+    "total_coils": ("--total-coils", "TURNS", "All turns, tip to tip."),
+    "material": ("--material", "NAME", "Wire by name (default: EN 10270-2 VDSiCr)."),
+    "name": ("--name", "NAME", "Name of the spring in the results."),
+}  # fmt: skip
+#: Further questions, in the same way.
+ASKED = SIZES | {
+    "installed": ("--installed", "HEIGHT, LOAD", "Height and load closed, such as '1.80 in, 130 lbf'."),
+    "open_load": ("--open-load", "HEIGHT, LOAD", "Height and load open, such as '1.25 in, 350 lbf'."),
+    "installed_height": ("--installed-height", "LENGTH", "With a table: height of the closed valve."),
+    "closes": ("--closes", "END", "With a table: where coils close first (lower, upper, both)."),
+    "columns": ("--columns", "WORDS", "With a table: 'height, force' (or compression, ignore)."),
+    "length_unit": ("--length-unit", "UNIT", "With a table: unit of heights."),
+    "force_unit": ("--force-unit", "UNIT", "With a table: unit of forces."),
+}  # fmt: skip
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("spring-card")(spring_card)
+    app.command("spring-card")(asking(spring_card, ASKED))
 
 
 def spring_card(
@@ -48,63 +73,13 @@ def spring_card(
             metavar="[TABLE]", help="File of a spring tester; without it give two loads."
         ),
     ] = None,
-    wire_diameter: Annotated[
-        str | None, asks("--wire-diameter", "LENGTH", "Diameter of the wire, such as '4.2 mm'.")
-    ] = None,
-    outer_diameter: Annotated[
-        str | None, asks("--outer-diameter", "LENGTH", "Outer diameter of the coils.")
-    ] = None,
-    top_outer_diameter: Annotated[
-        str | None,
-        asks("--top-outer-diameter", "LENGTH", "Of a beehive: outer diameter at the top."),
-    ] = None,
-    taper_from_coil: Annotated[
-        float | None, asks("--taper-from-coil", "TURNS", "Of a beehive: where it begins to taper.")
-    ] = None,
-    installed: Annotated[
-        str | None,
-        asks("--installed", "HEIGHT, LOAD", "Height and load closed, such as '1.80 in, 130 lbf'."),
-    ] = None,
-    open_: Annotated[
-        str | None,
-        asks("--open-load", "HEIGHT, LOAD", "Height and load open, such as '1.25 in, 350 lbf'."),
-    ] = None,
-    installed_height: Annotated[
-        str | None,
-        asks("--installed-height", "LENGTH", "With a table: height of the closed valve."),
-    ] = None,
-    solid_height: Annotated[
-        str | None, asks("--solid-height", "LENGTH", "Height at coil bind.")
-    ] = None,
-    mass: Annotated[str | None, asks("--mass", "MASS", "Mass of the spring.")] = None,
-    free_length: Annotated[str | None, asks("--free-length", "LENGTH", "Unloaded length.")] = None,
-    total_coils: Annotated[
-        float | None, asks("--total-coils", "TURNS", "All turns, tip to tip.")
-    ] = None,
-    material: Annotated[
-        str, asks("--material", "NAME", "Wire by name (default: EN 10270-2 VDSiCr).")
-    ] = "",
-    closes: Annotated[
-        str,
-        typer.Option(
-            "--closes", metavar="END", help="With a table: where coils close first (upper, both)."
-        ),
-    ] = "lower",
-    columns: Annotated[
-        str, asks("--columns", "WORDS", "With a table: 'height, force' (or compression, ignore).")
-    ] = "",
-    length_unit: Annotated[
-        str, asks("--length-unit", "UNIT", "With a table: unit of heights.")
-    ] = "",
-    force_unit: Annotated[str, asks("--force-unit", "UNIT", "With a table: unit of forces.")] = "",
-    name: Annotated[
-        str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")
-    ] = SPRING,
     output: OutputOption = None,
     open_page: OpenOption = False,
     units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
+    *,
+    answers: dict[str, Any],
 ) -> None:
     """Spring definition from a catalogue card or a spring tester's table, fitted to its loads, with
     the assumptions made.
@@ -115,42 +90,33 @@ def spring_card(
 
     take_folder(output)
     take_units(units)
-    sizes = (
-        ("--wire-diameter", wire_diameter, "4.2 mm"),
-        ("--outer-diameter", outer_diameter, "32 mm"),
-    )
-    alone = table is not None and wire_diameter is None and outer_diameter is None
-    for flag, value, typical in sizes:
-        if value is None and not alone:
+    alone = table is not None and not {"wire_diameter", "outer_diameter"} & {*answers}
+    for key, typical in (("wire_diameter", "4.2 mm"), ("outer_diameter", "32 mm")):
+        if key not in answers and not alone:
+            flag = SIZES[key][0]
             raise InputError(
-                f"the card needs the {flag[2:].replace('-', ' ')}; give it, such as {flag} '{typical}'",
+                f"the card needs the {key.replace('_', ' ')}; give it, such as {flag} '{typical}'",
                 flag,
             )
-
-    def length(value: str | None, flag: str) -> float | None:
-        return None if value is None else parse_quantity(value, "length", flag)
-
-    known: dict[str, Any] = {
-        "wire_diameter": length(wire_diameter, "--wire-diameter"), "outer_diameter": length(outer_diameter, "--outer-diameter"),
-        "top_outer_diameter": length(top_outer_diameter, "--top-outer-diameter"), "taper_from_coil": taper_from_coil,
-        "solid_height": length(solid_height, "--solid-height"), "free_length": length(free_length, "--free-length"),
-        "mass": None if mass is None else parse_quantity(mass, "mass", "--mass"), "total_coils": total_coils,
-        "material": material_by_name(material) if material else None, "name": name,
-    }  # fmt: skip
+    for key in ("free_length", "installed_height"):
+        if key in answers:
+            answers[key] = parse_quantity(answers[key], "length", ASKED[key][0])
+    if "material" in answers:
+        answers["material"] = material_by_name(answers["material"])
+    sizes = {name: answers[name] for name in SIZES if name in answers}
+    given, name = answers.get, answers.get("name", SPRING)
     if table is None:
         from valvetrain.spring_card.fit import spring_from_card
 
-        if installed_height is not None:
+        if "installed_height" in answers:
             raise InputError(
                 "the height of the closed valve belongs in --installed 'HEIGHT, LOAD' where there is no table",
                 "--installed-height",
             )
-        loads = [
-            _load(text, flag) for flag, text in (("--installed", installed), ("--open-load", open_))
-        ]
-        met = spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **known))
+        loads = [_load(given(key), ASKED[key][0]) for key in ("installed", "open_load")]
+        met = spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **sizes))
         return _deliver(met, _card_data(met), name, output, open_page)
-    if installed is not None or open_ is not None:
+    if {"installed", "open_load"} & {*answers}:
         raise InputError(
             "a table holds the loads; leave --installed and --open-load out, or the table",
             "--installed",
@@ -159,22 +125,17 @@ def spring_card(
     from valvetrain.measured.force_height import read_force_height
     from valvetrain.spring_card.tester import card_from_table, read_end, spring_from_tester
 
-    names = tuple(word.strip() for word in columns.split(",") if word.strip())
     found = read_force_height(
         table,
-        columns=names,
-        length_unit=length_unit,
-        force_unit=force_unit,
-        free_length=known["free_length"],
+        columns=tuple(filter(None, map(str.strip, given("columns", "").split(",")))),
+        length_unit=given("length_unit", ""),
+        force_unit=given("force_unit", ""),
+        free_length=given("free_length"),
     )
     with busy("fitting the spring to the table"):
-        fit = spring_from_tester(
-            found,
-            None if alone else card_from_table(found, **known),
-            read_end(closes),
-            length(installed_height, "--installed-height"),
-            name,
-        )
+        card = None if alone else card_from_table(found, **sizes)
+        end = read_end(given("closes", "lower"))
+        fit = spring_from_tester(found, card, end, given("installed_height"), name)
     return _deliver(fit, _table_data(fit), name, output, open_page)
 
 
