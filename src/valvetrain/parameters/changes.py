@@ -22,29 +22,23 @@ def nearest(name: str, valid: list[str] | tuple[str, ...]) -> str:
 
 def differences(first: Any, second: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
     """Key path -> (value in ``first``, value in ``second``) of everything that differs."""
-    if is_dataclass(first) and type(first) is type(second):
-        names = [field.name for field in fields(first) if field.compare]
-        parts = [
-            differences(getattr(first, name), getattr(second, name), f"{path}.{name}".lstrip("."))
-            for name in names
-        ]
-        return {key: value for part in parts for key, value in part.items()}
-    if isinstance(first, Mapping) and isinstance(second, Mapping):
-        names = list(dict.fromkeys([*first, *second]))
-        parts = [differences(first.get(name), second.get(name), f"{path}.{name}") for name in names]
-        return {key: value for part in parts for key, value in part.items()}
-    if (
-        isinstance(first, tuple)
-        and isinstance(second, tuple)
-        and len(first) == len(second)
-        and any(is_dataclass(item) for item in first)
-    ):
-        parts = [
-            differences(one, other, f"{path}.{place}")
-            for place, (one, other) in enumerate(zip(first, second, strict=True))
-        ]
-        return {key: value for part in parts for key, value in part.items()}
-    return {} if _same(first, second) else {path: (first, second)}
+    one, other = _parts(first), _parts(second)
+    if one is None or other is None or type(first) is not type(second):
+        return {} if _same(first, second) else {path: (first, second)}
+    found: dict[str, tuple[Any, Any]] = {}
+    for name in dict.fromkeys([*one, *other]):
+        place = f"{path}.{name}" if path else str(name)
+        found |= differences(one.get(name), other.get(name), place)
+    return found
+
+
+def _parts(item: Any) -> Mapping[Any, Any] | None:
+    """What is compared one by one: fields of a dataclass, items of a mapping, dataclasses of a tuple."""
+    if is_dataclass(item):
+        return {one.name: getattr(item, one.name) for one in fields(item) if one.compare}
+    if isinstance(item, tuple) and any(is_dataclass(one) for one in item):
+        return dict(enumerate(item))
+    return item if isinstance(item, Mapping) else None
 
 
 def _same(first: Any, second: Any) -> bool:

@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.schema_types import FOLLOWS, Table, quantity, table
-from valvetrain.parameters.solid import WireShape, computed_solid_height
+from valvetrain.parameters.solid import computed_solid_height
 from valvetrain.units import si
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding
@@ -28,7 +28,7 @@ SAME_HEIGHT = 0.01
 MIN_LENGTH = 1e-6
 
 
-def check_spring(spring: WireShape) -> None:
+def check_spring(spring: SpringDefinition) -> None:
     """Raise :class:`InputError` when ``spring`` is impossible."""
     for part in ("wire_diameter", "mean_diameter", "pitch"):
         given = getattr(spring, part)
@@ -124,14 +124,14 @@ def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wir
         )
 
 
-def _refuse(bad: np.ndarray, coil: np.ndarray, spring: WireShape, reason: str) -> None:
+def _refuse(bad: np.ndarray, coil: np.ndarray, spring: SpringDefinition, reason: str) -> None:
     if np.any(bad):
         raise InputError(
             f"at coil {coil[np.argmax(bad)]:.2f} of spring '{spring.name}' the {reason}"
         )
 
 
-def _refuse_jumps(spring: WireShape, coil: np.ndarray) -> None:
+def _refuse_jumps(spring: SpringDefinition, coil: np.ndarray) -> None:
     """A jump would kink the wire (pitch) or break it (diameters), smeared over one element by every
     mesh.
     """
