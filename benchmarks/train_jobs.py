@@ -124,7 +124,7 @@ def one_run(cycles: int = 20, repeats: int = 3) -> list[Row]:
     smaller.
     """
     case = load_case(CASE)
-    system, cam_speed = build(case).members[0].system(), case.operation.cam_speeds[0]
+    system, cam_speed = build(case).members[0].system(), case.operation.engine_speeds[0] / 2
     assert isinstance(system, TrainSystem)
     rest = rest_of(system)
 

@@ -9,8 +9,8 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.parameters import schema_installed
+from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
-from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import Table
@@ -48,7 +48,7 @@ def _sections() -> Iterator[tuple[str, list[str]]]:
     for word in registry.BUILT_IN["springs"]:
         yield f"`options.{word}` of a spring", _rows(options_table(word))
     yield "`[rubbing]`, `[train.rubbing]`", _rows(Rubbing)
-    yield "`[operation]`", _rows(OperationModel)
+    yield "`[operation]`", _rows(Operation)
     yield "`[lift_law]`, every kind", _rows(LiftModel)
     for kind in registry.BUILT_IN["lifts"]:
         yield f"`[lift_law]` of kind `{kind}`", _rows(registry.find("lifts", kind).table, LiftModel)

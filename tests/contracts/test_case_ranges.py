@@ -12,14 +12,10 @@ import pytest
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
 from valvetrain import registry
-from valvetrain.parameters import (
-    schema_case,
-    schema_contact,
-    schema_installed,
-    schema_lift,
-    schema_spring,
-)
+from valvetrain.parameters import schema_contact, schema_installed, schema_lift
+from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
+from valvetrain.parameters.material import Material
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.spring_options import options_table
@@ -28,8 +24,8 @@ from valvetrain.units import DIMENSIONS
 
 TABLES = {
     "spring": schema_installed.WireBlock, "card": schema_installed.CardBlock, "end": EndCoil,
-    "material": schema_spring.MaterialModel, "spring.damping": DampingParameters, "guide": Guide,
-    "spring.contact": schema_installed.CoilContactModel, "rubbing": Rubbing, "operation": schema_case.OperationModel,
+    "material": Material, "spring.damping": DampingParameters, "guide": Guide,
+    "spring.contact": schema_installed.CoilContactModel, "rubbing": Rubbing, "operation": Operation,
     "lift_law": schema_lift.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
 }  # fmt: skip
 TABLES |= {f"options.{word}": options_table(word) for word in registry.BUILT_IN["springs"]}

@@ -11,9 +11,9 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.cam import build_lift_law
+from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Rubbing
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_installed import (
     CardBlock,
     CoilContactModel,
@@ -37,7 +37,7 @@ def test_every_kind_and_key_is_named():
     laws = {kind: registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
     options = {word: options_table(word) for word in registry.BUILT_IN["springs"]}
     tables = [(laws, set(LiftModel.model_fields)), (options, set())]
-    blocks = (WireBlock, CardBlock, DampingParameters, CoilContactModel, Rubbing, OperationModel)
+    blocks = (WireBlock, CardBlock, DampingParameters, CoilContactModel, Rubbing, Operation)
     names = {
         name
         for table, common in tables

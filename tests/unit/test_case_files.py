@@ -40,7 +40,7 @@ def test_standard_jobs_are_as_stated():
     job_t, job_c = load_case("job-t"), load_case("job-c")
     assert float(job_t.spring.axial_position(6.0)) == pytest.approx(45e-3, rel=1e-12)
     assert float(job_c.spring.axial_position(6.0)) == pytest.approx(45e-3, abs=2e-6)
-    assert job_t.operation.cam_speeds == pytest.approx((4000 / 60 * 2 * np.pi,))
+    assert job_t.operation.engine_speeds == pytest.approx((8000 / 60 * 2 * np.pi,))
     assert job_t.spring.free_coils == (0.0, 6.0)
     angle = np.radians([126.0, 127.0, 180.0, 200.0, 233.0])
     expected = 10e-3 * np.sin(np.pi * (np.degrees(angle) - 127) / 106) ** 4 * [0, 1, 1, 1, 1]

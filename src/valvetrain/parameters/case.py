@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from numbers import Real
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import Field, StrictInt
 
 from valvetrain import registry
 from valvetrain.errors import InputError
@@ -21,11 +23,20 @@ from valvetrain.parameters.installed_spring import (
     Rubbing,
 )
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
+from valvetrain.parameters.schema_types import (
+    AngularSpeed,
+    Table,
+    guarded,
+    problem,
+    quantities,
+    quantity,
+    table,
+)
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
-from valvetrain.units import believed, keep_si, si_speeds
+from valvetrain.units import believed, si, si_speeds
 
 
 def point_problem(
@@ -81,49 +92,68 @@ class Note:
     source: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
+OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
+ForceBandwidth = Annotated[float, quantity("frequency", low=100.0, high=50e3)]
+
+
+@table("the operation")
+class Operation(Table):
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
     revolutions of a spring alone, the last is reported; None: until the motion repeats),
     ``output_step`` (cam rad) between stored values, ``red_line`` (rad/s of the crank), the highest
     speed in use, and ``force_bandwidth`` (Hz), below which the peak of a spring's force is taken.
     """
 
-    engine_speeds: tuple[float, ...] = ()
-    cycles: int | None = None
-    output_step: float = math.radians(0.5)
-    red_line: float | None = None
-    force_bandwidth: float = FORCE_BANDWIDTH
+    engine_speeds: AngularSpeeds = ()
+    cycles: StrictInt | None = Field(
+        default=None,
+        description="cam revolutions run, the last is reported: until the motion repeats, at most 40, with finite elements at most 8",
+    )
+    output_step: OutputStep = Field(
+        default=math.radians(0.5), description="cam angle between stored values"
+    )
+    red_line: AngularSpeed | None = Field(
+        default=None,
+        description="highest engine speed in use, of the crank: a sweep says how far control reaches beyond it",
+    )
+    force_bandwidth: ForceBandwidth = Field(
+        default=FORCE_BANDWIDTH,
+        description="cut-off below which the peak of a spring's force is taken, such as that of a load cell",
+    )
+    cam_speeds: InitVar[AngularSpeeds | None] = None
 
-    def __post_init__(self) -> None:
-        # an empty row stays one: a case may leave its speeds to whoever runs it
-        if self.engine_speeds or not isinstance(self.engine_speeds, tuple):
-            object.__setattr__(
-                self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds")
+    def __post_init__(self, cam_speeds: tuple[float, ...] | None) -> None:
+        if self.engine_speeds and cam_speeds is not None:
+            raise problem(
+                "engine_speeds and cam_speeds are both given; give one (an engine speed is twice the cam speed)",
+                ("cam_speeds",),
             )
-        keep_si(
-            self,
-            "the operation",
-            output_step="cam_angle",
-            red_line="engine_speed",
-            force_bandwidth="frequency",
-        )
+        speeds = self.engine_speeds or tuple(2 * speed for speed in cam_speeds or ())
+        if any(speed <= 0 for speed in speeds):
+            raise problem("a speed must be positive; correct the list")
+        if speeds:
+            guarded(si_speeds, map(_rpm, speeds))
+        object.__setattr__(self, "engine_speeds", tuple(dict.fromkeys(speeds)))
+        if self.red_line is not None:
+            guarded(si, _rpm(self.red_line), "engine_speed", path=("red_line",))
+        if self.cycles is not None and not 1 <= self.cycles <= 10_000:
+            raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
 
     def replace(self, **changes: Any) -> Operation:
         """A copy with fields changed; what stays was read before and is not doubted again."""
-        own = Operation(**changes)
+        given = Operation(**changes)
         with believed():
-            return replace(self, **{name: getattr(own, name) for name in changes})
+            return replace(self, **{name: getattr(given, name) for name in changes})
 
     @property
     def top_speed(self) -> float:
         """The red line (rad/s), else the highest engine speed; 0 where neither is given."""
         return self.red_line or max(self.engine_speeds, default=0.0)
 
-    @property
-    def cam_speeds(self) -> tuple[float, ...]:
-        """Cam speeds (rad/s), half the engine speeds."""
-        return tuple(speed / 2 for speed in self.engine_speeds)
+
+def _rpm(speed: float) -> str:
+    return f"{speed * 30 / math.pi:.12g} rpm"
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,52 +2,72 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from dataclasses import InitVar
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.units import Given, si
+from valvetrain.parameters.schema_types import (
+    FOLLOWS,
+    Density,
+    Modulus,
+    Name,
+    Table,
+    guarded,
+    problem,
+    quantity,
+    table,
+)
+
+PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
 
 
-@dataclass(frozen=True, slots=True)
-class Material:
-    """Isotropic elastic material: moduli in Pa, density in kg/m3; each given in SI or with its unit
-    (:func:`valvetrain.units.si`).
+@table("the material")
+class Material(Table):
+    """Isotropic elastic material: moduli in Pa, density in kg/m3; each given in SI or with its unit.
 
-    Raises :class:`InputError` for values that are not positive, slips of units or moduli that no
-    isotropic solid has.
+    What is left out is that of the library's material of this ``name``; the shear modulus also
+    follows from Young's modulus and ``poisson_ratio``. Raises :class:`InputError` for values that are
+    not positive, slips of units or moduli that no isotropic solid has.
 
     >>> Material("a steel", "206 GPa", "79.6 GPa", "7850 kg/m^3").density
     7850.0
     """
 
-    name: str
-    youngs_modulus: float
-    shear_modulus: float
-    density: float
+    name: Name = ""
+    youngs_modulus: Modulus = Field(default=FOLLOWS)
+    shear_modulus: Modulus = Field(default=FOLLOWS)
+    density: Density = Field(default=FOLLOWS)
+    ratio: InitVar[PoissonRatio | None] = Field(default=None, alias="poisson_ratio")
 
-    if TYPE_CHECKING:  # accepted types are wider than the stored one
-
-        def __init__(
-            self, name: str, youngs_modulus: Given, shear_modulus: Given, density: Given
-        ) -> None: ...
-
-    def __post_init__(self) -> None:
-        for key, quantity in (
-            ("youngs_modulus", "modulus"),
-            ("shear_modulus", "modulus"),
-            ("density", "density"),
-        ):
-            object.__setattr__(
-                self, key, si(getattr(self, key), quantity, f"{key} of material '{self.name}'")
-            )
-            if not getattr(self, key) > 0:
-                raise InputError(
-                    f"{key} of material '{self.name}' must be positive; it is {getattr(self, key)}"
+    def __post_init__(self, ratio: float | None) -> None:
+        values: dict[str, Any] = {
+            "youngs_modulus": self.youngs_modulus, "shear_modulus": self.shear_modulus, "density": self.density,
+        }  # fmt: skip
+        young, shear = self.youngs_modulus, self.shear_modulus
+        if ratio is not None and young is not None:
+            by_ratio = young / (2 * (1 + ratio)) if ratio > -1 else math.inf
+            if shear is None:
+                values["shear_modulus"] = by_ratio
+            elif abs(shear / by_ratio - 1) > 0.005:
+                raise problem(
+                    f"shear_modulus {shear / 1e9:g} GPa contradicts youngs_modulus and poisson_ratio, "
+                    f"which make {by_ratio / 1e9:.4g} GPa; drop one"
                 )
+        if None in values.values():
+            if not self.name:
+                raise problem(
+                    "a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library"
+                )
+            of_library = guarded(material_by_name, self.name)
+            values = {key: value or getattr(of_library, key) for key, value in values.items()}
+        for key, value in {**values, "name": self.name or "unnamed"}.items():
+            object.__setattr__(self, key, value)
         if not -1.0 < self.poisson_ratio < 0.5:
-            raise InputError(
+            raise problem(
                 f"material '{self.name}' has E / (2 G) - 1 = {self.poisson_ratio:.3f}, outside -1 to 0.5; check Young's and shear modulus"
             )
 
@@ -55,6 +75,12 @@ class Material:
     def poisson_ratio(self) -> float:
         """Poisson ratio nu = E / (2 G) - 1 of the isotropic solid."""
         return self.youngs_modulus / (2 * self.shear_modulus) - 1
+
+
+#: A material in a file: a table, or the name of one of the library alone.
+MaterialField = Annotated[
+    Material, BeforeValidator(lambda raw: {"name": raw} if isinstance(raw, str) else raw)
+]
 
 
 OTEVA_90_SC = Material("OTEVA 90 SC", 206e9, 79.6e9, 7850.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import threading
 from collections import OrderedDict
 from pathlib import Path
@@ -30,14 +29,13 @@ from valvetrain.parameters.schema_types import (
     guarded,
     placed,
     problem,
-    quantities,
     quantity,
     validate_as,
 )
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role
-from valvetrain.units import PlainNumber, dimension_of, parse_quantity, si, si_speeds
+from valvetrain.units import PlainNumber, dimension_of, parse_quantity
 
 
 class ValueModel(StrictModel):
@@ -168,59 +166,7 @@ def _key(law: LiftModel, folder: Path) -> _Key | None:
     )
 
 
-_OPERATION = Operation()
-
-AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
 CoilNumber = Annotated[float, quantity("ratio", low=0.0)]
-OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
-ForceBandwidth = Annotated[float, quantity("frequency", low=100.0, high=50e3)]
-
-
-class OperationModel(StrictModel):
-    """The [operation] table: engine (crank) or cam speeds."""
-
-    engine_speeds: AngularSpeeds | None = None
-    cam_speeds: AngularSpeeds | None = None
-    red_line: AngularSpeed | None = Field(
-        default=None,
-        description="highest engine speed in use, of the crank: a sweep says how far control reaches beyond it",
-    )
-    cycles: int | None = Field(
-        default=None,
-        description="cam revolutions run, the last is reported: until the motion repeats, at most 40, with finite elements at most 8",
-    )
-    output_step: OutputStep = Field(
-        default=_OPERATION.output_step, description="cam angle between stored values"
-    )
-    force_bandwidth: ForceBandwidth = Field(
-        default=_OPERATION.force_bandwidth,
-        description="cut-off below which the peak of a spring's force is taken, such as that of a load cell",
-    )
-
-    def build(self) -> Operation:
-        """The operation, with engine (crank) speeds."""
-        if self.engine_speeds is not None and self.cam_speeds is not None:
-            raise problem(
-                "engine_speeds and cam_speeds are both given; give one (an engine speed is twice the cam speed)",
-                ("cam_speeds",),
-            )
-        speeds = (
-            self.engine_speeds
-            if self.engine_speeds is not None
-            else tuple(2 * speed for speed in self.cam_speeds or ())
-        )
-        if any(speed <= 0 for speed in speeds):
-            raise problem("a speed must be positive; correct the list")
-        if speeds:
-            written = (f"{speed * 30 / math.pi:.12g} rpm" for speed in speeds)
-            guarded(si_speeds, written, "engine_speed")
-        if self.red_line is not None:
-            guarded(
-                si, f"{self.red_line * 30 / math.pi:.12g} rpm", "engine_speed", path=("red_line",)
-            )
-        if self.cycles is not None and not 1 <= self.cycles <= 10_000:
-            raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
-        return Operation(speeds, self.cycles, self.output_step, self.red_line, self.force_bandwidth)
 
 
 class CaseModel(StrictModel):
@@ -235,7 +181,7 @@ class CaseModel(StrictModel):
     spring: Annotated[SpringBlocks, READ_SPRINGS] | None = None
     rubbing: Rubbing = Rubbing()
     lift_law: LiftField | None = None
-    operation: OperationModel = OperationModel()
+    operation: Operation = Operation()
     train: TrainParameters | None = None
     points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
@@ -341,7 +287,7 @@ class CaseModel(StrictModel):
             springs=springs,
             rubbing=self.rubbing,
             lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
-            operation=placed("operation", self.operation.build),
+            operation=self.operation,
             train=self.train,
             published=tuple(value for group in published for value in group),
             notes=notes,

@@ -6,20 +6,18 @@ import warnings
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapValidator
+from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.card_doubts import doubtful_turns
 from valvetrain.parameters.constructors import pitch_with_closed_ends, wind
 from valvetrain.parameters.curves import Constant, Curve, add_curves
 from valvetrain.parameters.installed_spring import SpringCard
-from valvetrain.parameters.material import Material, material_by_name
+from valvetrain.parameters.material import MaterialField, material_by_name
 from valvetrain.parameters.schema_curves import CurveField, HeightForm, curve_of
 from valvetrain.parameters.schema_types import (
-    Density,
     Force,
     Mass,
-    Modulus,
     Name,
     PositiveLength,
     Stiffness,
@@ -27,7 +25,6 @@ from valvetrain.parameters.schema_types import (
     guarded,
     problem,
     quantity,
-    validate_as,
 )
 from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition, is_closed
 
@@ -36,7 +33,6 @@ MAX_COILS = 200.0
 #: A card of fewer active turns is a slip of units, and a chain of its mass could not be damped.
 MIN_TURNS = 0.3
 
-PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
 TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MAX_COILS, open_low=True)]
 
 
@@ -49,50 +45,6 @@ def _read_end(raw: Any, read: ValidatorFunctionWrapHandler) -> Any:
     return end if isinstance(raw, EndCoil) or table.keys() - {"kind"} else end.kind
 
 
-class MaterialModel(StrictModel):
-    """A material: a name from the library, values of its own, or a name with some values changed."""
-
-    name: Name = ""
-    youngs_modulus: Modulus | None = None
-    shear_modulus: Modulus | None = None
-    poisson_ratio: PoissonRatio | None = None
-    density: Density | None = None
-
-    def build(self) -> Material:
-        """The material; refuses moduli that contradict each other."""
-        young, shear, density = self.youngs_modulus, self.shear_modulus, self.density
-        if self.poisson_ratio is not None and young is not None:
-            from_ratio = (
-                young / (2 * (1 + self.poisson_ratio)) if self.poisson_ratio > -1 else float("inf")
-            )
-            if shear is not None and abs(shear / from_ratio - 1) > 0.005:
-                raise InputError(
-                    f"shear_modulus {shear / 1e9:g} GPa contradicts youngs_modulus and poisson_ratio, "
-                    f"which make {from_ratio / 1e9:.4g} GPa; drop one"
-                )
-            shear = from_ratio if shear is None else shear
-        if young is not None and shear is not None and density is not None:
-            return Material(self.name or "unnamed", young, shear, density)
-        if not self.name:
-            raise InputError(
-                "a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library"
-            )
-        known = material_by_name(self.name)
-        return Material(
-            self.name,
-            young or known.youngs_modulus,
-            shear or known.shear_modulus,
-            density or known.density,
-        )
-
-
-def _read_material(raw: Any) -> Material:
-    model = validate_as(MaterialModel, {"name": raw} if isinstance(raw, str) else raw)
-    material: Material = guarded(model.build)
-    return material
-
-
-MaterialField = Annotated[Material, PlainValidator(_read_material)]
 #: Of a card that names no material.
 DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
 EndField = Annotated[EndCoil, WrapValidator(_read_end)]

@@ -78,9 +78,9 @@ class Table:
 
 
 def _refuse_unknown(raw: Any, fields: Mapping[str, FieldInfo]) -> dict[str, Any]:
-    if not isinstance(raw, dict):
-        raise problem(f"a table of {', '.join(fields)} is needed here")
     known = tuple(field.alias or name for name, field in fields.items())
+    if not isinstance(raw, dict):
+        raise problem(f"a table of {', '.join(known)} is needed here")
     for key in raw:
         if key not in known:
             raise problem(
@@ -106,9 +106,10 @@ def table(noun: str) -> Callable[[type[Part]], type[Part]]:
         made: Any = pydantic.dataclasses.dataclass(
             frozen=True, config=ConfigDict(extra="forbid", arbitrary_types_allowed=True)
         )(cls)
-        made.model_fields = made.__pydantic_fields__
+        infos = made.__pydantic_fields__
+        made.model_fields = {info.alias or name: info for name, info in infos.items()}
         for one in fields(made):  # the default alone, without the words around it
-            info = made.model_fields[one.name]
+            info = infos[one.name]
             one.default = MISSING if info.is_required() else info.default
         read = made.__init__
 
@@ -159,7 +160,8 @@ def placed(
 def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
     """Validate ``raw`` as ``model`` from within another validator, keeping the place of the error."""
     try:
-        return model.model_validate(raw)
+        found: Model = model.__pydantic_validator__.validate_python(raw)
+        return found
     except ValidationError as error:
         inner, reason = first_problem(error)
         raise problem(reason, (*path, *inner)) from error
