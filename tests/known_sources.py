@@ -64,8 +64,30 @@ def stages() -> Known:
         "stage_2_second_peak_cam_angle": 190 * DEG + later,
         "stage_2_end_force": np.median([end, end + 1, before + 3, before + 2]),
         "stage_3_peak_force": 780.0 + higher,
+        "stage_3_least_sampled_peak_force": 780.0,
+        "stage_3_largest_sampled_peak_force": 783.0,
         "stage_3_peak_cam_angle": 254.5 * DEG + later,
+        "stage_3_every_instant_peak_force": 783.0,
         "stage_3_second_peak_cam_angle": 297 * DEG + later,
+    }
+
+
+def spike() -> Known:
+    """A triangle of 500 N over four degrees: half of them at half its height, and its area."""
+
+    def force(degrees):
+        return 280 + 500 * np.maximum(0.0, 1 - abs(degrees - 254.5) / 2)
+
+    def fine(degrees):
+        return np.stack([force(degrees + 0.125 * place) for place in range(4)], axis=1)
+
+    made = run(
+        {"seat_force": force, "seat_force_fine": fine},
+        extra={"seat_force_fine": (("subsample",), "N", "made up")},
+    )
+    return evaluate(made, Frame(source="gu2021", lift_event=EVENT)).quantities, {
+        "stage_3_peak_duration": 2 * DEG / CAM_RATE,
+        "stage_3_peak_impulse": 500 * 2 * DEG / CAM_RATE,
     }
 
 
@@ -207,6 +229,7 @@ def main_clash() -> Known:
         "main_clash_cam_angle": (250 * DEG, 2e-4),
         "main_clash_impulse": (held, 0.002 * held),
         "main_clash_below_5_khz_peak_force": (heights[0], 0.5),
+        "stage_3_below_5_khz_peak_force": (heights[0], 0.5),
     }
 
 
@@ -248,4 +271,4 @@ def pushrod_study() -> Known:
     }
 
 
-SOURCE_GROUPS = (stages, burst, node, collisions, main_clash, pushrod_study)
+SOURCE_GROUPS = (stages, spike, burst, node, collisions, main_clash, pushrod_study)

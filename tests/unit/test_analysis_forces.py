@@ -8,7 +8,7 @@ import pytest
 from synthetic_spring import beehive_reader, bump, run
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.signal import low_pass
+from valvetrain.quantities.signal import filtered_force, low_pass
 
 DEG = np.pi / 180
 
@@ -91,6 +91,7 @@ def test_filter_refuses_what_it_cannot_do():
         low_pass(time, time, 10e3)
     with pytest.raises(InputError, match="evenly"):
         low_pass(time**2, time, 1e3)
+    assert filtered_force(run({"seat_force": _force}, per_turn=72), 10e3) is None
 
 
 def test_filter_of_a_closed_period_sees_its_end_before_its_beginning():

@@ -52,6 +52,31 @@ def low_pass(time: Array, values: Array, cutoff_frequency: float, closed: bool =
     ]
 
 
+def filtered_force(
+    solution: Solution, cutoff_frequency: float, channel: str = "seat_force"
+) -> Array | None:
+    """A force channel (sample,) below ``cutoff_frequency`` (Hz); None when the run is sampled too
+    coarsely or unevenly for it.
+
+    Where the run holds substeps (``<channel>_fine``) these are filtered, and each sample gets the
+    largest value of its interval.
+    """
+    try:
+        if solution.has(f"{channel}_fine"):
+            # the last sample has no substeps after it; its row repeats the end value and takes no part
+            fine = solution.channel(f"{channel}_fine")
+            interval = float(solution.time[1] - solution.time[0]) / fine.shape[1]
+            series = fine[:-1].ravel()
+            filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency)
+            rows = filtered.reshape(-1, fine.shape[1])
+            return np.append(rows.max(axis=1), rows[-1, -1])
+        return low_pass(
+            solution.time, solution.channel(channel), cutoff_frequency, is_closed(solution)
+        )
+    except InputError:
+        return None
+
+
 def fine_series(
     solution: Solution, channel: str = "seat_force", record: str = "fine"
 ) -> tuple[Array, Array, Array]:

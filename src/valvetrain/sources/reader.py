@@ -18,6 +18,7 @@ from valvetrain.integrate.clash import runs
 from valvetrain.parameters.schema_types import Angle
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import (
+    filtered_force,
     fine_filtered,
     fine_series,
     is_covered,
@@ -32,6 +33,7 @@ from valvetrain.sources.readings import (
     Reading,
     View,
     numbered,
+    spike_index,
 )
 
 #: Contacts closer than this share of the period of the first mode are one collision; the same as an
@@ -125,21 +127,29 @@ class Reader:
         if reading.window is not None and self.event is not None:
             bounds = window_bounds(self.event, reading.window)
         inside = np.flatnonzero(cycle.window(*bounds))
-        angle, part = cycle.cam_angle, values[inside]
-        return View(cycle, angle, values, inside, part, bounds[1], self.separation)
+        return View(cycle, values, inside, bounds[1], self.separation)
 
     def first_of(self, channels: Sequence[str]) -> str:
         """The first of these channels that the run has; empty where it has none."""
         return next((one for one in channels if self.cycle.solution.has(one)), "")
 
     def _values(self, reading: Reading) -> Array | None:
-        cycle, name = self.cycle, self.first_of(reading.channel)
+        cycle, solution = self.cycle, self.cycle.solution
+        name = self.first_of(reading.channel)
         if not name:
             return None
         if reading.point:
             return cycle.at_coil(name, self.coils[reading.point])
+        if reading.highest:
+            if solution.has(f"{name}_highest"):
+                return cycle.channel(f"{name}_highest")
+            fine = f"{name}_fine"
+            return cycle.channel(fine).max(axis=1) if solution.has(fine) else None
         if reading.above:
             return self._band(name, reading.above, reading.below)
+        if reading.below:
+            force = filtered_force(solution, reading.below, name)
+            return None if force is None else force[cycle.samples]
         return cycle.channel(name)
 
     def _band(self, name: str, low: float, high: float) -> Array | None:
@@ -195,6 +205,62 @@ def difference(reader: Reader, reading: Reading) -> Numbers:
     if {first, second} <= set(reader.phases):
         reader.phases[reading.names[0]] = reader.phases[first] - reader.phases[second]
     return {reading.names[0]: reader.found[first] - reader.found[second]}
+
+
+def over_phases(reader: Reader, reading: Reading) -> Numbers:
+    """The least and the largest value of a quantity over the phases of samples."""
+    values = reader.phases.get(reading.of[0])
+    if values is None:
+        return {}
+    return dict(zip(reading.names, (float(np.min(values)), float(np.max(values))), strict=True))
+
+
+def spike_shape(reader: Reader, reading: Reading) -> Numbers:
+    """How long (s) the spike of a window is above half its height, and its impulse (N s), by the samples of
+    all phases.
+    """
+    grid, values = reader.sampled(reading.channel)
+    if not len(grid):
+        return {}
+    view = reader.view(replace(reader.cycle, cam_angle=grid.T.ravel()), values.T.ravel(), reading)
+    top = spike_index(view, reading)
+    shape = half_height(view.cam_angle, view.values, top, reader.separation)
+    turned, passed = np.ptp(reader.cycle.cam_angle), np.ptp(reader.cycle.time)
+    return {
+        name: float(one * passed / turned) for name, one in zip(reading.names, shape, strict=True)
+    }
+
+
+def half_height(cam_angle: Array, force: Array, peak: int, reach: float) -> tuple[float, float]:
+    """Width (rad) of a spike at half its height, and the area (N rad) of its part above its foot.
+
+    The foot is the median force within ``reach`` (rad) of the sample ``peak``; between samples the
+    force is a straight line.
+
+    >>> angle = np.linspace(0.0, 2.0, 2001)
+    >>> triangle = np.maximum(0.0, 100.0 - 1000.0 * abs(angle - 1.0))
+    >>> width, area = half_height(angle, triangle, 1000, 1.0)
+    >>> round(width, 3), round(area, 2)
+    (0.1, 10.0)
+    """
+    near = np.abs(cam_angle - cam_angle[peak]) <= reach
+    angle, above = cam_angle[near], force[near] - float(np.median(force[near]))
+    top = peak - int(np.flatnonzero(near)[0])
+    if above[top] <= 0:
+        return 0.0, 0.0
+    half = above[top] / 2
+    # the spike alone: down to where it first meets its foot on either side
+    (left, right), (first, last) = (
+        next(one for one in runs(above > level) if one[0] <= top <= one[1]) for level in (half, 0.0)
+    )
+    width = angle[right] - angle[left]
+    for inner, outer in ((left, left - 1), (right, right + 1)):
+        if 0 <= outer < len(above):
+            share = (above[inner] - half) / (above[inner] - above[outer])
+            width += share * abs(angle[outer] - angle[inner])
+    part = slice(max(first - 1, 0), last + 2)
+    area = np.trapezoid(np.maximum(above[part], 0.0), angle[part])
+    return float(width), float(area)
 
 
 def at_contact(reader: Reader, reading: Reading) -> Numbers:
@@ -277,6 +343,8 @@ def bounce(reader: Reader, reading: Reading) -> Numbers:
 #: Kind -> function of a reader, of what was read before or of several channels.
 MORE_KINDS: dict[str, Callable[[Reader, Reading], Numbers]] = {
     "difference": difference,
+    "over phases": over_phases,
+    "spike shape": spike_shape,
     "at contact": at_contact,
     "meetings": meetings,
     "interval": interval,

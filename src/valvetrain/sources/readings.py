@@ -28,8 +28,8 @@ from valvetrain.quantities.signal import (
 
 Numbers = dict[str, float]
 Kind = Literal[
-    "extreme", "end", "numbered peaks", "two maxima", "spike", "separate peaks", "rebound", "difference", "at contact",
-    "meetings", "interval", "bounce", "run", "rise",
+    "extreme", "end", "numbered peaks", "two maxima", "spike", "separate peaks", "rebound", "difference", "over phases", "spike shape",
+    "at contact", "meetings", "interval", "bounce", "run", "rise",
 ]  # fmt: skip
 #: A table of a study's file has no other keys.
 KNOWN_KEYS = ConfigDict(extra="forbid")
@@ -39,13 +39,13 @@ KNOWN_KEYS = ConfigDict(extra="forbid")
 class Reading:
     """How the quantities ``names`` are read, in SI units; ``kind`` names a function.
 
-    ``channel``: the first of these that the run has, over the cycle or within ``window``; with a ``point`` at its
-    place on the wire. ``above``, ``below``: the ends of the band (Hz) it is read in; ``smooth``: the band (Hz) in
-    which maxima are sought; ``sampled``: at the samples of the study; ``with_angle``: its cam angle too; ``factor``:
-    what the value is multiplied by. ``pick``: which extreme. ``share`` and ``height``: least prominence and height of
-    a peak as shares of the range, ``later_share``: prominence of the next one; ``reach`` (rad) about a peak.
-    ``between``: two coil numbers. ``of``: quantities or channels it is made of; ``runs``: labels of the runs that it
-    belongs to.
+    ``channel``: the first of these that the run has, over the cycle or within ``window``; with a ``point``
+    at its place on the wire. ``below``, ``above``: the band (Hz) it is read in; ``smooth``: the band (Hz)
+    in which maxima are sought; ``highest``: the highest instant of each interval; ``sampled``: at the
+    samples of the study; ``with_angle``: its cam angle too; ``factor``: what the value is multiplied by.
+    ``pick``: which extreme. ``share`` and ``height``: least prominence and height of a peak as shares of the
+    range, ``later_share``: prominence of the next one; ``reach`` (rad) about a peak. ``between``: two coil
+    numbers. ``of``: quantities or channels it is made of; ``runs``: labels of the runs that it belongs to.
     """
 
     kind: Kind
@@ -56,6 +56,7 @@ class Reading:
     below: Frequency = 0.0
     above: Frequency = 0.0
     smooth: Frequency = 0.0
+    highest: bool = False
     sampled: bool = False
     with_angle: bool = False
     factor: float = 1.0
@@ -86,17 +87,25 @@ def angle_of(name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What a reading sees: ``cam_angle`` (rad) and ``values`` (sample,) of a channel over a cycle, the samples ``inside``
-    its window with their values, ``part``, the window's ``end`` and the least distance of two collisions, ``separation`` (rad).
+    """What a reading sees: ``values`` (sample,) of a channel over a cycle, the samples ``inside`` its window,
+    the window's ``end`` and the least distance of two collisions, ``separation`` (rad).
     """
 
     cycle: Cycle
-    cam_angle: Array
     values: Array
     inside: Index
-    part: Array
     end: float
     separation: float
+
+    @property
+    def part(self) -> Array:
+        """Values within the window."""
+        return self.values[self.inside]
+
+    @property
+    def cam_angle(self) -> Array:
+        """Cam angles (rad) of all samples."""
+        return self.cycle.cam_angle
 
 
 def extreme(view: View, reading: Reading) -> Numbers:
