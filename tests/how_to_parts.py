@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from valvetrain.cli.main import app
 from valvetrain.explore.new_command import write_template
-from valvetrain.explore.study import read_plan, read_study_file
+from valvetrain.explore.requests import Study
 from valvetrain.units import unit_factor
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -228,7 +228,7 @@ def _of_study(answer: Mapping[str, Any], row: Row) -> float:
 
 def rows_of_study(guide: Guide) -> dict[str, Any]:
     """Those points of a study that its page prints, computed and shaped as the command's answer."""
-    plan = read_plan(read_study_file(Path(guide.words[1])))
+    plan = Study.read({"file": guide.words[1]}).plan
     draws = plan.sampler.draw(plan.varied, plan.options)
     varied = [{"name": one.name, "key": one.key} for one in plan.varied]
     answer: dict[str, Any] = {"command": "study", "varied": varied, "rows": []}

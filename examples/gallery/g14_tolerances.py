@@ -13,7 +13,6 @@ import valvetrain as vt
 
 table = vt.study(
     """
-kind = "tolerance"
 title = "Tolerances of a spring"
 case = "job-t"
 engine_speeds = "3000 rpm"

@@ -17,10 +17,11 @@ from typer.testing import CliRunner
 
 import valvetrain as vt
 from architecture.layout import PACKAGE
+from study_parts import identification_plan
 from valvetrain.cli.main import app
 from valvetrain.explore.evaluate import Point, evaluate_case
-from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.identify import identify_request
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identify import run_identification
 from valvetrain.explore.observe import Observed, numbers_of
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
@@ -80,8 +81,8 @@ def bits(found: vt.explore.Identified) -> tuple[object, ...]:
     ["least-squares", pytest.param("nested", marks=pytest.mark.long)],
 )
 def test_same_bits_for_any_number_of_workers(folder: Path, method: str) -> None:
-    request = parse_request(FILE.format(method=method), "card", folder)
-    one, three = (identify_request(request, workers=count) for count in (1, 3))
+    request = identification_plan(FILE.format(method=method), "card", folder)
+    one, three = (run_identification(request, Execution(workers=count)) for count in (1, 3))
     assert bits(one) == bits(three)
     assert one.evaluations == three.evaluations > 20
 
@@ -89,7 +90,7 @@ def test_same_bits_for_any_number_of_workers(folder: Path, method: str) -> None:
 def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     """Preload and frequencies by a model alone, beside all its numbers at rest."""
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
-    request = parse_request(FILE.format(method="nested") + seat, "card", folder)
+    request = identification_plan(FILE.format(method="nested") + seat, "card", folder)
     case = Observed(request.case, request.varied, request.targets).case_at((31e3, 0.044))
     whole = evaluate_case(
         case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
@@ -112,7 +113,7 @@ def surge(points):
 
 priors = {{"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}}
 data = [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)]
-found = vt.identify(priors, data, surge, search=vt.explore.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
+found = vt.identify(priors, data, surge, search=vt.explore.Search("nested", live_points=25, lanes=4), output=sys.argv[1])
 print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.reused)
 """
 
@@ -157,10 +158,15 @@ def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
     """
     plain = FILE.format(method="least-squares")
     extra = '[measurements.seat]\nquantity = "preload"\nvalue = "260 N"\nscatter = "1 N"\nfit = false\nspring_model = "massless"\n'
-    one = identify_request(parse_request(plain, "card", folder), workers=1)
-    two = identify_request(
-        parse_request(plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder),
-        workers=1,
+    one = run_identification(
+        identification_plan(plain, "card", folder),
+        Execution(workers=1),
+    )
+    two = run_identification(
+        identification_plan(
+            plain.replace("keep = 2", "keep = 2\ndraws = 7") + extra, "card", folder
+        ),
+        Execution(workers=1),
     )
     assert one.best == two.best and one.branches[0].quantities == two.branches[0].quantities
     assert [one.datum.name for one in two.predicted if not one.datum.used] == ["seat"]
@@ -173,10 +179,10 @@ def test_points_of_one_fit_are_not_those_of_another_that_asks_more(folder: Path)
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "multi-mass"\n'
     plain = FILE.format(method="least-squares")
     compared, fitted = (
-        parse_request(plain + seat + words, "card", folder) for words in ("fit = false\n", "")
+        identification_plan(plain + seat + words, "card", folder) for words in ("fit = false\n", "")
     )
     assert compared.identity != fitted.identity
-    again = parse_request(
+    again = identification_plan(
         plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat, "card", folder
     )
     assert again.identity == fitted.identity, (
@@ -192,8 +198,8 @@ def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(
     """
     (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))
     monkeypatch.chdir(folder)
-    request = parse_request((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
-    whole = identify_request(request, folder=folder / "mine" / "points", workers=1)
+    request = identification_plan((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
+    whole = run_identification(request, Execution(output=folder / "mine" / "points", workers=1))
     stored = folder / "mine" / "points" / STORED
     lines = stored.read_bytes().splitlines(keepends=True)
     stored.write_bytes(b"".join(lines[:20]))

@@ -14,10 +14,7 @@ import pytest
 
 from how_to_parts import FOLDER, PAGES, ROOT, Guide, holds, number_of, rows_of_study
 from valvetrain import study
-from valvetrain.explore.identification_file import read_request
-from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import read_optimum_file
-from valvetrain.explore.study import read_plan, read_study_file
+from valvetrain.explore.requests import Identify, Optimise, Study
 from valvetrain.measured import read_lift
 from valvetrain.system.build import build
 from valvetrain.views.results import answer_of
@@ -81,12 +78,12 @@ def test_what_is_copied_from_a_guide_runs_in_an_empty_folder(path, tmp_path, mon
         assert text == known or tomllib.loads(text) == tomllib.loads(known)
     kind, file, *_ = guide.words
     if kind == "study":
-        plan = read_plan(read_study_file(Path(file)))
+        plan = Study.read({"file": file}).plan
         assert len(plan.draws()) > 1 and plan.runs
     elif kind == "optimise":
-        assert read_optimum(read_optimum_file(Path(file))).measures
+        assert Optimise.read({"file": file}).plan.measures
     elif kind == "identify":
-        assert read_request(file).targets
+        assert Identify.read({"file": file}).plan.targets
     elif kind == "lift":
         assert read_lift(Path(file))
     else:

@@ -20,8 +20,8 @@ from valvetrain.explore.optimum_file import (
     ObjectiveModel,
     OptimumModel,
     SearchModel,
-    read_optimum_file,
 )
+from valvetrain.explore.requests import Optimise
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "optimisation.md").read_text(encoding="utf-8")
@@ -49,7 +49,7 @@ def case_is_measured(text: FileText[OptimumModel]) -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_case_of_an_example_is_computed(path):
-    case_is_measured(read_optimum_file(path))
+    case_is_measured(Optimise.read({"file": path}).text)
     assert (
         f"valvetrain optimise {path.relative_to(ROOT).as_posix()}" in path.read_text()
         and path.name in PAGE

@@ -11,7 +11,8 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.explore.files import FileText, VaryModel
-from valvetrain.explore.study import StudyModel, read_plan, read_study_file
+from valvetrain.explore.requests import Study
+from valvetrain.explore.study import StudyModel, read_plan
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
@@ -29,7 +30,7 @@ def first_point_runs(plan) -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_first_point_of_an_example_runs(path):
-    first_point_runs(read_plan(read_study_file(path)))
+    first_point_runs(Study.read({"file": path}).plan)
     assert (
         f"valvetrain study {path.relative_to(ROOT).as_posix()}" in path.read_text()
         and path.name in PAGE

@@ -15,8 +15,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from architecture.layout import ROOT
+from study_parts import identification_plan
 from valvetrain.errors import MAX_LOCATION_LENGTH, MAX_SENTENCE_LENGTH, InputError
-from valvetrain.explore.identification_file import parse_request, read_request
+from valvetrain.explore.requests import Identify
 from valvetrain.parameters.toml_text import toml_text
 
 PLAIN: dict[str, Any] = {
@@ -42,7 +43,7 @@ PLAIN: dict[str, Any] = {
 
 
 def read(tree: dict[str, Any]) -> Any:
-    return parse_request(toml_text(tree), "test", Path())
+    return identification_plan(toml_text(tree), "test", Path())
 
 
 def test_the_plain_file_reads_as_it_is_meant() -> None:
@@ -69,14 +70,14 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     (tmp_path / "curve.csv").write_text("compression [inch],load [lbf]\n0.1,20\n0.2,40\n")
     tree = copy.deepcopy(PLAIN)
     tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
-    request = parse_request(toml_text(tree), "test", tmp_path)
+    request = identification_plan(toml_text(tree), "test", tmp_path)
     assert [one.at for one in request.targets if one.kind == "force"] == pytest.approx(
         [2.54e-3, 5.08e-3]
     )
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])
     (tmp_path / "curve.csv").write_text("compression,load\n1,20\n2,40\n")
     with pytest.raises(InputError, match="has no units"):
-        parse_request(toml_text(tree), "test", tmp_path)
+        identification_plan(toml_text(tree), "test", tmp_path)
 
 
 REFUSED = [
@@ -202,14 +203,14 @@ def test_any_value_at_any_place_is_read_or_refused_in_one_sentence(
 )
 def test_any_text_is_read_or_refused(text: str) -> None:
     with pytest.raises(InputError):
-        parse_request(text, "test", Path())
+        identification_plan(text, "test", Path())
 
 
 @pytest.mark.parametrize(
     "name", sorted(path.name for path in (ROOT / "examples").glob("identify-*.toml"))
 )
 def test_the_examples_read(name: str) -> None:
-    request = read_request(ROOT / "examples" / name)
+    request = Identify.read({"file": ROOT / "examples" / name}).plan
     assert request.unknowns and all(one.prior.source or one.prior.flat for one in request.unknowns)
     assert json.dumps(request.title)
 
@@ -221,7 +222,7 @@ def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
         (tmp_path / "a\0b", "bad path"),
     ):
         with pytest.raises(InputError, match=words):
-            read_request(path)
+            assert Identify.read({"file": path}).plan
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="no text file"):
-        read_request(tmp_path / "bytes.toml")
+        assert Identify.read({"file": tmp_path / "bytes.toml"}).plan

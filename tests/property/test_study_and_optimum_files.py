@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from valvetrain import InputError
 from valvetrain.explore.files import FileText
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import OptimumModel, read_optimum_file
-from valvetrain.explore.study import StudyModel, read_plan, read_study_file
+from valvetrain.explore.optimum_file import OptimumModel
+from valvetrain.explore.requests import Optimise, Study
+from valvetrain.explore.study import StudyModel, read_plan
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FEW = settings(max_examples=120, deadline=None)
@@ -119,17 +120,17 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(reade
 
 
 @FEW
-@given(st.sampled_from([read_study_file, read_optimum_file]), st.binary(max_size=300))
+@given(st.sampled_from([Study, Optimise]), st.binary(max_size=300))
 def test_any_bytes_are_refused(tmp_path_factory, reader, content):
     path = tmp_path_factory.mktemp("bytes", numbered=True) / "search.toml"
     path.write_bytes(content)
     with pytest.raises(InputError) as error:
-        reader(path)
+        reader.read({"file": path}).text  # noqa: B018
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("reader", [read_study_file, read_optimum_file])
+@pytest.mark.parametrize("reader", [Study, Optimise])
 def test_what_is_no_file_is_refused(tmp_path, reader):
     for path in (tmp_path, tmp_path / "absent.toml"):
         with pytest.raises(InputError):
-            reader(path)
+            reader.read({"file": path}).text  # noqa: B018

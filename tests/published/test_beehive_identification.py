@@ -14,23 +14,26 @@ import valvetrain as vt
 from beehive_package import beehive_package  # noqa: F401
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.explore.identification_file import Request, read_request
+from valvetrain.explore.identification_file import IdentificationPlan
 from valvetrain.explore.identify import PackagePoints
+from valvetrain.explore.requests import Identify
 from valvetrain.parameters.loading import LIBRARY
 
 
 @pytest.fixture
-def request_of_package(beehive_package: Path) -> Request:  # noqa: F811
-    return read_request(refit.FILE)
+def request_of_package(beehive_package: Path) -> IdentificationPlan:  # noqa: F811
+    return Identify.read({"file": refit.FILE}).plan
 
 
 def test_without_the_package_its_evaluator_is_unknown() -> None:
     if "beehive" not in registry.names("evaluators"):
         with pytest.raises(InputError, match="beehive"):
-            read_request(refit.FILE)
+            assert Identify.read({"file": refit.FILE}).plan
 
 
-def test_shipped_spread_is_that_of_this_identification(request_of_package: Request) -> None:
+def test_shipped_spread_is_that_of_this_identification(
+    request_of_package: IdentificationPlan,
+) -> None:
     """Fails when unknowns, priors or targets have changed since the spread was computed; run the
     identification again then.
     """
@@ -50,7 +53,9 @@ PUBLISHED = {
 }
 
 
-def test_targets_are_the_values_whose_role_is_calibration(request_of_package: Request) -> None:
+def test_targets_are_the_values_whose_role_is_calibration(
+    request_of_package: IdentificationPlan,
+) -> None:
     """The case says of each published value what it was used for, and the identification uses these
     and no other.
     """
@@ -68,7 +73,9 @@ def test_targets_are_the_values_whose_role_is_calibration(request_of_package: Re
             assert targets[name] == pytest.approx(used[key].value)
 
 
-def test_the_search_computes_every_target_of_the_shipped_case(request_of_package: Request) -> None:
+def test_the_search_computes_every_target_of_the_shipped_case(
+    request_of_package: IdentificationPlan,
+) -> None:
     """On a coarse mesh, beside the numbers of docs/beehive.md, in a worker of its own."""
     coarse = replace(request_of_package, options=(("elements_per_coil", 12),))
     names = tuple(one.name for one in coarse.unknowns)

@@ -14,8 +14,9 @@ from dataclasses import replace
 import pytest
 
 from architecture.layout import ROOT
-from valvetrain.explore.identification_file import read_request
-from valvetrain.explore.identify import identify_request
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identify import run_identification
+from valvetrain.explore.requests import Identify
 from valvetrain.explore.space import Prior
 
 DENSITY, SHEAR_MODULUS, COIL, TOTAL = 7850.0, 79.5e9, 25e-3, 7.0
@@ -23,12 +24,12 @@ DENSITY, SHEAR_MODULUS, COIL, TOTAL = 7850.0, 79.5e9, 25e-3, 7.0
 
 def test_wire_and_closed_coils_are_those_of_the_formulas() -> None:
     """With even priors, so that the data alone speak."""
-    request = read_request(ROOT / "examples" / "identify-spring.toml")
+    request = Identify.read({"file": ROOT / "examples" / "identify-spring.toml"}).plan
     wire, closed, pitch = request.unknowns
     free = (wire, replace(closed, prior=Prior("uniform", 0.85, 1.5)), pitch)
-    found = identify_request(
+    found = run_identification(
         replace(request, unknowns=free, search=request.search.model_copy(update={"draws": 1})),
-        workers=1,
+        Execution(workers=1),
     )
     (seat, high), frequency = (345.0, 735.0), 472.0
     rate = (high - seat) / 10e-3

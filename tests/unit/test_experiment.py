@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from study_parts import identification_plan
 from valvetrain.explore.engine import Interrupted
 from valvetrain.explore.files import FileText
-from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.study import StudyModel, read_plan
 
 RPM = math.pi / 30
@@ -279,7 +279,7 @@ def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications(
         [4e-3], new.runs[0]
     )
     first, second = (
-        parse_request('case = "job-c"\n' + tables + MEASURED, "file", Path())
+        identification_plan('case = "job-c"\n' + tables + MEASURED, "file", Path())
         for tables in (OLD, NEW)
     )
     assert repr(first.unknowns) == repr(second.unknowns) and first.case == second.case
@@ -298,7 +298,7 @@ def test_a_distribution_may_be_left_to_its_other_keys():
     ):
         text = normal.format(words)
         study = read_plan(FileText(STUDY.format(tables=text), "study", Path(), StudyModel))
-        request = parse_request('case = "job-c"\n' + text + MEASURED, "file", Path())
+        request = identification_plan('case = "job-c"\n' + text + MEASURED, "file", Path())
         for found in (study.varied[0].distribution, request.unknowns[0].prior):
             assert found.kind == prior.kind
             assert (found.low, found.high) == pytest.approx((prior.low, prior.high))

@@ -12,7 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.requests import Identify
 from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case, read_text
@@ -50,7 +50,13 @@ READERS = {
         "is a folder",
         "at least one of",
     ),
-    "identification": (read_request, "(bad path)", "there is no file", "is a folder", "case"),
+    "identification": (
+        lambda path: Identify.read({"file": path}).plan,
+        "(bad path)",
+        "there is no file",
+        "is a folder",
+        "case",
+    ),
     "plan": (
         lambda path: read_text(path, "plan"),
         "(bad path)",

@@ -7,17 +7,10 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.explore.first_files import levers
-from valvetrain.explore.identification_file import read_request
-from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import read_optimum_file
-from valvetrain.explore.study import read_plan, read_study_file
+from valvetrain.explore.requests import Identify, Optimise, Study
 
 CASES = ("spring", "direct", "finger", "rocker", "pushrod")
-READERS = {
-    "study": lambda path: read_plan(read_study_file(path)),
-    "optimise": lambda path: read_optimum(read_optimum_file(path)),
-    "identify": read_request,
-}
+READERS = {"study": Study, "optimise": Optimise, "identify": Identify}
 
 
 @pytest.mark.parametrize("kind", CASES)
@@ -30,7 +23,7 @@ def test_a_case_has_the_first_file_of_each_request_beside_it(kind, tmp_path, mon
         if (kind, request) == ("pushrod", "identify"):  # its springs are cards
             assert made.exit_code == 2 and sentence(made)
         else:
-            read(tmp_path / "asked" / f"{request}.toml")
+            assert read.read({"file": tmp_path / "asked" / f"{request}.toml"}).plan
     case = vt.load_case("mine.toml")
     assert len(levers(case)) >= 3 and ("train.valve.mass" in levers(case)) == (kind != "spring")
     for words in (("--kind", "study"), ("--kind", kind, "--case", "mine.toml")):

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from study_parts import identification_plan
 from unit.cli_parts import call
-from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.identify import identify_request
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identify import run_identification
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """
@@ -62,7 +63,10 @@ def told(folder: Path) -> dict:
 
 
 def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -> None:
-    found = identify_request(parse_request(FILE, "card", folder), workers=1)
+    found = run_identification(
+        identification_plan(FILE, "card", folder),
+        Execution(workers=1),
+    )
     rate = found.branches[0].quantities["rate"]
     assert 31e3 < rate.best < 34e3
     codes = [one["code"] for one in told["findings"]]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.identification_file import parse_request
+from study_parts import identification_plan
 
 HEAD = """
 case = "job-t"
@@ -29,7 +29,7 @@ TRACE = HEAD.replace("scatter =", 'channel = "seat_force"\nengine_speed = "3000 
 
 def read(folder: Path, table: str, more: str = "", head: str = HEAD):
     (folder / "tester.csv").write_text(table)
-    return parse_request(head + more, "test", folder)
+    return identification_plan(head + more, "test", folder)
 
 
 CURVES = [

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from study_parts import identification_plan
 from valvetrain.errors import InputError
-from valvetrain.explore.identification_file import Search, parse_request
-from valvetrain.explore.identify import identify_request
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identification_file import Search
+from valvetrain.explore.identify import run_identification
 from valvetrain.explore.measurements import Target
 from valvetrain.explore.observe import Observed, numbers_of
 from valvetrain.explore.outputs import Run
@@ -31,7 +33,9 @@ PRELOAD = {
 
 
 def request_of(measurements: dict[str, object], folder, **more: object):
-    return parse_request(toml_text(BASE | more | {"measurements": measurements}), "test", folder)
+    return identification_plan(
+        toml_text(BASE | more | {"measurements": measurements}), "test", folder
+    )
 
 
 def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
@@ -136,32 +140,32 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
 def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, measured, words) -> None:
     request = request_of({"one": measured | {"scatter": "1 N"}}, tmp_path)
     with pytest.raises(InputError, match=words):
-        identify_request(request, workers=1)
+        run_identification(request, Execution(workers=1))
 
 
 def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
     request = request_of(PRELOAD, tmp_path, search={"method": "nested", "live_points": 9_000_000})
     with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with --limit"):
-        identify_request(request, workers=1)
+        run_identification(request, Execution(workers=1))
 
 
 def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
     """A prior far from the case: with one start from the case the search ends where the case is."""
     request = request_of(PRELOAD, tmp_path, search={"from_case": True, "draws": 1})
-    found = identify_request(request, workers=1)
+    found = run_identification(request, Execution(workers=1))
     assert found.best["wire"] == pytest.approx(4e-3, rel=5e-3)
 
 
 def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
     """No other start is computed, and the estimate counts the case among the starts."""
     both, alone = (
-        identify_request(
+        run_identification(
             request_of(
                 PRELOAD,
                 tmp_path,
                 search={"from_case": True, "draws": 1, "starts": 30, "keep": keep},
             ),
-            workers=1,
+            Execution(workers=1),
         )
         for keep in (1, 0)
     )
@@ -228,8 +232,9 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
                  "spring_model": "wave-rod"},
     }  # fmt: skip
     asked = {"rate": {"quantity": "installed_rate", "spring_model": "wave-rod"}}
-    found = identify_request(
-        request_of(measured, tmp_path, search={"draws": 12}, predictions=asked), workers=1
+    found = run_identification(
+        request_of(measured, tmp_path, search={"draws": 12}, predictions=asked),
+        Execution(workers=1),
     )
     (rate,) = found.predictions
     assert (

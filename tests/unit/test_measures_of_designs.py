@@ -9,12 +9,12 @@ from valvetrain.explore import limit_speed
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, LimitEvaluation, limit_of
 from valvetrain.explore.measure import REST, RUNS, Measure, measure_designs
-from valvetrain.explore.outputs import LimitSearch, Outcome, Outputs, limit_search
+from valvetrain.explore.outputs import LimitSearch, Outcome, Outputs, Run, limit_search
 from valvetrain.explore.space import Space
 from valvetrain.solution.status import COMPLETED, Status
 
-AT_REST = ((None, "massless", ""),)
-RUNNING = tuple((speed, "massless", "") for speed in (400.0, 500.0))
+AT_REST = (Run(None, "massless"),)
+RUNNING = tuple(Run(speed, "massless") for speed in (400.0, 500.0))
 
 
 class Recording:

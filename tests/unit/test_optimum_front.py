@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from valvetrain.explore.files import FileText
-from valvetrain.explore.measure import Measured, Trial
+from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
 from valvetrain.explore.optimum_file import OptimumModel
+from valvetrain.explore.search import Trial
 
 FILE = """
 title = "Light and quick"

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.identify import identify_request
+from study_parts import identification_plan
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identify import run_identification
 
 QUANTITIES = """
 [quantities.rate]
@@ -42,8 +43,8 @@ points = { sampler = "posterior", file = "found/draws.nc", count = 100 }
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("draws")
     (place / "card.toml").write_text(CARD)
-    request = parse_request(f'case = "card.toml"\n{QUANTITIES}{MEASURED}', "card", place)
-    found = identify_request(request, workers=1)
+    request = identification_plan(f'case = "card.toml"\n{QUANTITIES}{MEASURED}', "card", place)
+    found = run_identification(request, Execution(workers=1))
     (place / "found").mkdir()
     found.save_draws(place / "found" / "draws.nc")
     return place, found

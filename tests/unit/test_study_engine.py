@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.files import FileText
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.study import (
@@ -75,9 +76,9 @@ class Instant:
 def computed(monkeypatch):
     """The table of a plan by instant workers."""
 
-    def run(plan, workers: Instant, *rest, **options):
+    def run(plan, workers: Instant, output=None, limit=Limits()):
         monkeypatch.setattr("valvetrain.explore.engine.StandingPool", workers)
-        return run_plan(plan, 2, "", *rest, **options)
+        return run_plan(plan, Execution(workers=2, output=output, limit=limit))
 
     return run
 

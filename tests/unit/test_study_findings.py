@@ -59,10 +59,10 @@ def space(**more) -> Space:
     return Space([Varied("lash", distribution=Uniform(0.0, 1.0), **more), Varied("width", distribution=Uniform(0.0, 1.0))])  # fmt: skip
 
 
-def of_function(function, word: str, kind: str = "points", **options) -> StudyTable:
+def of_function(function, word: str, **options) -> StudyTable:
     names = ("seating_velocity", "clash_energy") if function is not noise else "seating_velocity"
     experiment = Evaluation(None, space(), Outputs(names, function=function))
-    return run_experiment(experiment, sampler(word), kind, options, workers=1)
+    return run_experiment(experiment, sampler(word), options, workers=1)
 
 
 def along_lash(function, count: int = 11) -> StudyTable:
@@ -71,7 +71,7 @@ def along_lash(function, count: int = 11) -> StudyTable:
     experiment = Evaluation(
         None, one, Outputs(("seating_velocity", "clash_energy"), function=function)
     )
-    return run_experiment(experiment, sampler("grid"), "points", {}, workers=1)
+    return run_experiment(experiment, sampler("grid"), {}, workers=1)
 
 
 SPRING = """
@@ -104,9 +104,7 @@ def cards(load: str) -> StudyTable:
     case = parse_case(template_text("pushrod", cards=True))
     one = Varied("train.springs.dual.0.open_load", "N", distribution=Values((1040.0, float(load))))
     experiment = Evaluation(case, Space([one]), Outputs("outer_card_rate", spring_set="dual"))
-    return run_experiment(
-        experiment, listed(np.array([[1040.0], [float(load)]])), "points", {}, workers=1
-    )
+    return run_experiment(experiment, listed(np.array([[1040.0], [float(load)]])), {}, workers=1)
 
 
 #: Name -> a study.
@@ -115,7 +113,7 @@ STUDIES = {
     "valley": lambda: along_lash(valley),
     "map": lambda: of_function(linear, "grid", levels=4),
     "draws": lambda: of_function(linear, "sobol", count=64),
-    "sobol": lambda: of_function(linear, "saltelli", "tolerance", count=64),
+    "sobol": lambda: of_function(linear, "saltelli", count=64),
     "noise": lambda: of_function(noise, "sobol", count=32),
     "still": lambda: of_function(
         lambda lash, width: {"seating_velocity": 1.0, "clash_energy": 1.0}, "sobol", count=16

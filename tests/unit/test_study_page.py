@@ -17,7 +17,6 @@ from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.views.page import page_of
 
 TEXT = """
-kind = "{kind}"
 title = "Two <b>quantities</b>"
 case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
@@ -31,9 +30,9 @@ vary = [
 """
 
 
-def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> StudyTable:
+def made(sampler="latin-hypercube", function=None, failed=()) -> StudyTable:
     """A table whose outputs are a function of the inputs, no run behind it."""
-    plan = read_plan(FileText(TEXT.format(kind=kind, sampler=sampler), "study", Path(), StudyModel))
+    plan = read_plan(FileText(TEXT.format(sampler=sampler), "study", Path(), StudyModel))
     inputs = plan.sampler.draw(plan.varied, plan.options)
     cube = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
     found = (function or (lambda c: 800 + 40 * c[:, 0] + 5 * c[:, 1] ** 2))(cube)
@@ -55,7 +54,7 @@ def test_a_page_stands_where_nothing_came_out():
 
 
 def test_the_json_answer_holds_the_indices_and_the_findings():
-    table = made("tolerance", "saltelli", failed=(3,))
+    table = made("saltelli", failed=(3,))
     data = json.loads(json.dumps(answer_json(StudyAnswer(table)), default=lambda x: x.tolist()))
     (first, _) = data["sensitivities"]
     assert first["dropped"] == 1 and first["names"][0] == "installed <i>compression</i>"

@@ -9,7 +9,7 @@ import pytest
 
 from valvetrain.cli.options import read_names
 from valvetrain.errors import InputError
-from valvetrain.explore.study import read_plan, read_study_file
+from valvetrain.explore.requests import Study
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Limits
 from valvetrain.workbench.pages.orders import request_of
@@ -57,6 +57,6 @@ def test_chosen_sets_reach_the_study_file(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(study_text(request, "tdi-pushrod"), encoding="utf-8")
     assert 'spring_sets = ["performance"]' in path.read_text("utf-8")
-    assert {chosen for _, _, chosen in read_plan(read_study_file(path)).runs} == {"performance"}
+    assert {chosen for _, _, chosen in Study.read({"file": path}).plan.runs} == {"performance"}
     with pytest.raises(InputError, match="no spring set is chosen"):
         request_of("tdi-pushrod", STUDY | {"sets": []})

@@ -25,9 +25,11 @@ import numpy as np
 from beehive_study.identification import case_values
 from beehive_study.rewrite import write_case_values
 from valvetrain.errors import InputError
-from valvetrain.explore.identification_file import Request, read_request
+from valvetrain.explore.execution import Execution
+from valvetrain.explore.identification_file import IdentificationPlan
 from valvetrain.explore.identified import Identified
-from valvetrain.explore.identify import identify_request
+from valvetrain.explore.identify import run_identification
+from valvetrain.explore.requests import Identify
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
 from valvetrain.runs.cost import Limits
@@ -36,7 +38,7 @@ from valvetrain.solution.atomic import digest, write_text
 FILE = Path(__file__).resolve().parents[1] / "identify.toml"
 
 
-def method_digest(request: Request) -> str:
+def method_digest(request: IdentificationPlan) -> str:
     """Fingerprint of priors and data: what a spread depends on beside the case."""
     priors = [
         (one.name, one.prior.low, one.prior.high, one.prior.centre, one.prior.spread)
@@ -76,7 +78,7 @@ def predict(
 
 
 def tell_spread(
-    found: Identified, request: Request, elements: int, workers: int, count: int
+    found: Identified, request: IdentificationPlan, elements: int, workers: int, count: int
 ) -> str:
     """TOML text: 5, 50 and 95 % of each quantity over ``count`` draws of the posterior (SI)."""
     with ProcessPoolExecutor(workers) as pool:
@@ -108,10 +110,10 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--draws", type=int, default=48)
     options = parser.parse_args()
-    request = read_request(FILE)
+    request = Identify.read({"file": FILE}).plan
     request = replace(request, search=replace(request.search, draws=options.draws))
-    found = identify_request(
-        request, folder=options.folder, workers=options.workers, limits=Limits(1e9, 1e12)
+    found = run_identification(
+        request, Execution(output=options.folder, workers=options.workers, limit=Limits(1e9, 1e12))
     )
     print(found)
     path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive-blind.toml"

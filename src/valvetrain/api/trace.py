@@ -193,7 +193,7 @@ def identify_by_trace(
     Raises :class:`InputError` for what :func:`labelled`, :meth:`Trace.of` and a run of the case refuse.
     """
     from valvetrain.explore.engine import with_case_units
-    from valvetrain.explore.identify import identify
+    from valvetrain.explore.requests import identify
     from valvetrain.explore.space import Space
 
     measured = labelled(measured)

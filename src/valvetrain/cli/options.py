@@ -180,17 +180,10 @@ def take_units(system: str) -> None:
 
 
 def read_folder(text: str) -> Path:
-    """The folder of that name. Raises :class:`InputError` for an empty name or a zero byte."""
-    if not text.strip():
-        raise InputError(
-            "the name of the folder is empty; give one, or leave the option out", "--output"
-        )
-    if "\0" in text:
-        raise InputError(
-            "the name of the folder holds a zero byte, which no folder can; give another",
-            "--output",
-        )
-    return Path(text)
+    """The folder of that name, as :func:`valvetrain.runs.request_fields.read_path` reads it."""
+    from valvetrain.runs.request_fields import read_path
+
+    return read_path(text, "--output")
 
 
 def take_folder(output: Path | None, resumes: str = "") -> None:
@@ -239,25 +232,6 @@ SpringSetOption = Annotated[
         show_default=False,
     ),
 ]
-DaskOption = Annotated[
-    str,
-    typer.Option(
-        "--dask",
-        metavar="CLUSTER",
-        show_default=False,
-        help="Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
-    ),
-]
-
-
-def points_folder(default: str) -> Any:
-    """The option of a folder of finished points."""
-    label = f"Folder of points and results; points that it holds are not computed again (default: {default})."
-    return typer.Option(
-        "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=label
-    )
-
-
 #: Formats in which plotly's exporter writes a figure.
 FIGURE_FORMATS = ("svg", "png", "pdf")
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]

@@ -19,7 +19,6 @@ from valvetrain.cli.options import (
     folder_of,
     matching_cases,
     name_case,
-    read_folder,
     read_workers,
     take_folder,
     take_units,
@@ -27,38 +26,26 @@ from valvetrain.cli.options import (
 from valvetrain.runs.request_fields import (
     Fields,
     Option,
+    dask_option,
     option,
     options_of,
     read_choice,
     read_count,
+    read_path,
     read_switch,
     read_text,
 )
-from valvetrain.runs.requests import ParallelRequest, Request
+from valvetrain.runs.requests import Limited, ParallelRequest
 
-RequestOf = TypeVar("RequestOf", bound=Request)
+RequestOf = TypeVar("RequestOf", bound=Limited)
 LineOf = TypeVar("LineOf", bound="CommandLine")
 MAX_ELEMENTS = 10**6
 
 
 @dataclass(frozen=True, kw_only=True)
 class CommandLine(Fields):
-    """What a command line says besides its request: changes of the case, units and form of the answer."""
+    """What a command line says besides its request: units and form of the answer."""
 
-    settings: tuple[str, ...] = option(
-        lambda given, _: tuple(given),
-        "Change a value of the case, written as in its file: 'spring.wire_diameter=4.1 mm'. Nothing after '=' removes it. Repeatable.",
-        "--set",
-        "KEY.PATH=VALUE",
-        default=(),
-        repeatable=True,
-    )
-    elements_per_coil: int | None = option(
-        partial(read_count, 1, MAX_ELEMENTS),
-        "Finite elements per coil.",
-        "--elements-per-coil",
-        "N",
-    )
     units: str = option(
         read_text,
         "Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi). Files and --json stay SI.",
@@ -78,41 +65,55 @@ class CommandLine(Fields):
         "--quiet",
         default=False,
     )
+    open_page: bool = option(
+        read_switch, "Open the report page in a browser.", "--open", default=False
+    )
 
     def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
-        """The request of a case that was typed, and the folder of its file."""
-        name, sets = given["case"], given.get("spring_sets") or ()
-        name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
-        case = choose_case(name, self.settings, self.elements_per_coil)
-        return model.read({**given, "case": case}, flags=True), folder_of(name)
+        """The request that was typed, and the folder of its case file, which most commands need."""
+        return model.read(given, flags=True), Path()
 
 
 @dataclass(frozen=True, kw_only=True)
 class SavedLine(CommandLine):
-    """The command line of a request whose result is saved in a folder."""
+    """The command line of a request of a case, with changes of it, whose result is saved in a folder."""
 
+    settings: tuple[str, ...] = option(
+        lambda given, _: tuple(given),
+        "Change a value of the case, written as in its file: 'spring.wire_diameter=4.1 mm'. Nothing after '=' removes it. Repeatable.",
+        "--set",
+        "KEY.PATH=VALUE",
+        default=(),
+        repeatable=True,
+    )
+    elements_per_coil: int | None = option(
+        partial(read_count, 1, MAX_ELEMENTS),
+        "Finite elements per coil.",
+        "--elements-per-coil",
+        "N",
+    )
     output: Path | None = option(
-        lambda given, _: read_folder(given),
+        read_path,
         "Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
         "--output",
         "FOLDER",
     )
-    open_page: bool = option(
-        read_switch, "Open the report page in a browser.", "--open", default=False
-    )
+
+    def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
+        """As that of the base class, of the case with its changes."""
+        name, sets = given["case"], given.get("spring_sets") or ()
+        name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
+        case = choose_case(name, self.settings, self.elements_per_coil)
+        request = model.read({**given, "case": case}, flags=True)
+        take_folder(self.output)
+        return request, folder_of(name)
 
 
 @dataclass(frozen=True, kw_only=True)
 class DaskLine(SavedLine):
     """The command line of a request that a cluster can compute."""
 
-    dask: str = option(
-        read_text,
-        "Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue.",
-        "--dask",
-        "CLUSTER",
-        default="",
-    )
+    dask: str = dask_option()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +162,6 @@ def add_command(
         typed = line.read({name: given.pop(name) for name in options_of(line)}, flags=True)
         take_units(typed.units)
         request, folder = typed.request(model, {**given, **always})
-        take_folder(getattr(typed, "output", None))
         if isinstance(request, ParallelRequest):
             workers = read_workers(request.workers, getattr(typed, "dask", ""))
             request = replace(request, workers=workers)
@@ -178,7 +178,9 @@ def _parameter(name: str, asked: Option) -> inspect.Parameter:
     keyword = inspect.Parameter.KEYWORD_ONLY
     if not asked.flag:
         info: Any = typer.Argument(
-            metavar=asked.metavar, help=asked.meaning, autocompletion=matching_cases
+            metavar=asked.metavar,
+            help=asked.meaning,
+            autocompletion=matching_cases if asked.metavar == "CASE" else None,
         )
         return inspect.Parameter(name, keyword, annotation=Annotated[str, info])
     info = typer.Option(

@@ -8,13 +8,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
 from valvetrain.cli.options import at_end
 from valvetrain.cli.outcome import complain
-from valvetrain.cli.request import MotionLine, RequestOf, StudyLine
+from valvetrain.cli.request import MotionLine, StudyLine
 from valvetrain.runs.requests import Request, Watch
 from valvetrain.runs.run_folders import ANSWER
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from valvetrain.solution.study import Study
     from valvetrain.views.files import UnfinishedRun
     from valvetrain.views.shown import Shown
+
+CaseRequest = TypeVar("CaseRequest", bound=Request)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,10 @@ def show_page(page: Path) -> None:
 
 
 def answer_study(
-    request: RequestOf, line: StudyLine, folder: Path, compute: Callable[[RequestOf, Watch], Study]
+    request: CaseRequest,
+    line: StudyLine,
+    folder: Path,
+    compute: Callable[[CaseRequest, Watch], Study],
 ) -> None:
     """Compute the study, save it and print its answer; a stopped one saves what was finished.
 

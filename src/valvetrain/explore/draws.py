@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
@@ -67,10 +68,6 @@ def extra(package: str) -> MissingExtraError:
     return MissingExtraError(
         f"{package} is not installed; install it with pip install 'valvetrain[studies]'"
     )
-
-
-def silent(done: float, text: str) -> None:
-    """A report that goes nowhere."""
 
 
 def branches_of_draws(posterior: Posterior, work: Array, weights: Array, seed: int = 1) -> Labels:

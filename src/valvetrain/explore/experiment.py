@@ -59,7 +59,7 @@ class Experiment(Evaluation):
             raise InputError(
                 f"a point has {len(self.space)} values; given are {given.shape[1]}", "points"
             )
-        return run_experiment(self, listed(given), "points", {}, **options)
+        return run_experiment(self, listed(given), {}, **options)
 
     def sample(
         self,
@@ -71,9 +71,7 @@ class Experiment(Evaluation):
         ``{"count": 200, "seed": 1}``.
         """
 
-        return run_experiment(
-            self, find_sampler(sampler, "sampler"), "points", options or {}, **execution
-        )
+        return run_experiment(self, find_sampler(sampler, "sampler"), options or {}, **execution)
 
     def sensitivity(
         self, count: int = 1024, seed: int = 1, **execution: Any
@@ -81,9 +79,7 @@ class Experiment(Evaluation):
         """Sobol indices of every output at every run, by at most ``count`` points."""
 
         options = {"count": count, "seed": seed}
-        return run_experiment(
-            self, find_sampler("saltelli"), "tolerance", options, **execution
-        ).sensitivities
+        return run_experiment(self, find_sampler("saltelli"), options, **execution).sensitivities
 
     def optimise(
         self,

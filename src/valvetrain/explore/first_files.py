@@ -95,7 +95,6 @@ def _study(case: Case) -> list[str]:
     return [
         "# What decides? Each quantity from 0.9 to 1.1 of its value in the case; the answer ranks them.",
         "#\n#     valvetrain study NAME.toml\n",
-        'kind = "tolerance"',
         f'engine_speeds = "{_speed(case)}"',
         f"outputs = {outputs} # valvetrain quantities lists all",
         f'points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks',

@@ -18,11 +18,10 @@ from valvetrain.explore.identification_rules import (
     few,
     off_text,
     plain_name,
-    value_text,
 )
 from valvetrain.explore.identified import Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
-from valvetrain.explore.results import ExploreAnswer, Write, fields_of
+from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import joined
 from valvetrain.solution.atomic import write_text

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
@@ -120,8 +118,8 @@ class IdentificationModel(CaseModel):
 
 
 @dataclass(frozen=True)
-class Request:
-    """An identification as a file requests it.
+class IdentificationPlan:
+    """An identification as a file plans it.
 
     ``evaluator``: name of a package's evaluator of points (:class:`PointEvaluator`), empty for the
     case itself; ``options`` are its numbers. ``varied``: the keys of each unknown.
@@ -159,19 +157,8 @@ class Request:
         return digest(repr((*subject, self.evaluator, self.options)).encode())
 
 
-def read_request(source: str | os.PathLike[str]) -> Request:
-    """The identification in the file at a path, or its text. Raises :class:`InputError`: one sentence with the place."""
-    return _request(FileText.read(source, IdentificationModel))
-
-
-def parse_request(text: str, name: str, folder: Path) -> Request:
-    """The identification written in ``text`` of the file ``name``; ``folder`` is where the files it
-    names are looked for. Errors as :func:`read_request`.
-    """
-    return _request(FileText(text, name[:60], folder, IdentificationModel))
-
-
-def _request(file: FileText[IdentificationModel]) -> Request:
+def read_identification(file: FileText[IdentificationModel]) -> IdentificationPlan:
+    """The plan of an identification file. Raises :class:`InputError`, one sentence with file, line and key."""
     model, case = file.model, file.case
     evaluator: PointEvaluator | None = None
     if model.evaluator:
@@ -199,7 +186,7 @@ def _request(file: FileText[IdentificationModel]) -> Request:
         for one, table in model.predictions.items()
     ]
     search = file.guarded(("search",), lambda: _search(model.search))
-    return Request(
+    return IdentificationPlan(
         title=model.title or file.where.removesuffix(".toml").replace("_", " "),
         case=case,
         unknowns=unknowns,

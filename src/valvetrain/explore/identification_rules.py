@@ -12,11 +12,9 @@ import numpy as np
 from valvetrain.explore.identified import Branch, Identified, Predicted
 from valvetrain.explore.least_squares import MET, ON_BOUND
 from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.results import value_text
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import digits_text, joined
-from valvetrain.parameters.summary import unit_text
-from valvetrain.units import unit_factor
-from valvetrain.units.reader import reader_factor, reader_unit
 
 #: What the data say of an unknown: its value, only a combination with others, little, or that it lies beyond its bound.
 State = Literal["determined", "tied", "open", "bound"]
@@ -45,28 +43,12 @@ def few(names: Sequence[str]) -> str:
     return joined(names if len(names) <= 3 else [*names[:2], f"{len(names) - 2} more"])
 
 
-def value_text(unit: str, *values: float, bar: float = 0.0, digits: int = 4) -> str:
-    """A value or a range (SI) in ``unit``, or the reader's in its place, no finer than ``bar`` (SI).
-
-    >>> value_text("mm", 4.1404e-3, 4.2612e-3, bar=3e-5)
-    '4.14 to 4.26 mm'
-    """
-    factor = reader_factor(unit) / unit_factor(unit)
-    texts = (digits_text(one * factor, bar * factor, digits) for one in values)
-    return f"{' to '.join(texts)} {unit_text(reader_unit(unit))}".strip()
-
-
 @dataclass(frozen=True)
 class IdentificationFacts(Subject):
     """An identification as rules, rows and figures read it; ``name``: path of the case file with its values."""
 
     result: Identified
     name: str = ""
-
-    @property
-    def case(self) -> str:
-        """Path of the case file with the values that were identified."""
-        return self.name or "identified.toml"
 
     @cached_property
     def first(self) -> Branch:
@@ -178,7 +160,7 @@ def determined(facts: IdentificationFacts) -> Iterator[Hit]:
     yield Hit(fields={
         "subject": f"all {len(unknowns)} unknowns" if several else plain_name(unknowns[0].name), "values": joined(values).strip(),
         "met": f"{sum(abs(one.off) <= MET for one in used)} of {len(used)}" if more else "",
-        "interval": "" if several else facts.interval(unknowns[0]), "command": facts.command,
+        "interval": "" if several else facts.interval(unknowns[0]), "command": facts.command, "file": facts.name or "identified.toml",
     })  # fmt: skip
 
 
@@ -226,7 +208,7 @@ RULES = (
          "measured {used}, unknown {count}, so almost any model meets the data",
          "add a measurement with fit = false, which the values must predict", mark="warn", guide=GUIDE),
     Rule("I106", "decides", "the data determine {subject}: {values}[ (95 %: {interval})]", determined, (),
-         "[{met} measured values are met]", "[valvetrain {command} {case}]", mark="ok", guide=GUIDE, unless=("I10", "I112")),
+         "[{met} measured values are met]", "[valvetrain {command} {file}]", mark="ok", guide=GUIDE, unless=("I10", "I112")),
     Rule("I110", "warns", "{name} is {off} scatters off", missed, guide=GUIDE, unless=("I102",)),
     Rule("I111", "warns", "{count} values not used lie outside their predictions: {name} is {off} scatters off", unlike, guide=GUIDE),
     Rule("I113", "warns", "{said}", notes, guide=GUIDE),

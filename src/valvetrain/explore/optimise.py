@@ -5,11 +5,10 @@ The result is the same for any executor and after any interruption.
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,28 +16,18 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
 from valvetrain.explore.evaluate import doubts
+from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.limit_speed import CLOSER
-from valvetrain.explore.measure import (
-    INCOMPLETE,
-    RUNS,
-    Array,
-    Measure,
-    Measured,
-    Trial,
-    best_of,
-    measure_designs,
-)
-from valvetrain.explore.objective import OptimumPlan, read_optimum
+from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, measure_designs
+from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum import Confirmed, Optimum, chosen_designs
-from valvetrain.explore.optimum_file import read_optimum_file
 from valvetrain.explore.refusals import refuse_outputs
-from valvetrain.explore.search import quiet_optuna, search_from
+from valvetrain.explore.search import Array, Trial, best_of, quiet_optuna, search_from
 from valvetrain.runs.cluster import on_cluster
-from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.cost import Cost
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.units import known_arguments
 
 #: Seconds that a trial takes in addition to its points; bytes of one.
 AROUND, TRIAL_BYTES = 0.03, 2e4
@@ -66,26 +55,24 @@ def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
 
 
 def run_search(
-    plan: OptimumPlan,
-    workers: int,
-    folder: Path | None = None,
-    limits: Limits = Limits(),
-    progress: Progress | None = None,
+    plan: OptimumPlan, execution: Execution = Execution(), watch: Watch = Watch()
 ) -> Optimum:
-    """The search of a plan; points that the stores below ``folder`` hold are not computed again.
+    """The search of a plan; points that are stored are not computed again.
 
-    Raises :class:`InputError` for a request beyond ``limits``, and :class:`Interrupted` with
+    Raises :class:`InputError` for a request beyond its limit, and :class:`Interrupted` with
     what was finished when it is stopped.
     """
     every = [plan, *(one.plan for one in plan.confirmations)]
-    for evaluation in (one for part in every for one in part.plans.values()):
-        refuse_outputs(evaluation)
-    refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
-    with quiet_optuna():
-        pass  # a library that is not installed is said before the first run
     evaluations = [one for part in every for one in part.plans.values()]
-    with Engine(evaluations, workers, folder) as points:
-        return _Search(plan, points, progress or (lambda share, text: None)).run()
+    for evaluation in evaluations:
+        refuse_outputs(evaluation)
+    with on_cluster(execution.dask, execution.workers) as count:
+        estimate = estimate_search(plan, count)
+        watch.admit(estimate.cost, execution.limit, f"{estimate.trials} trials at most", FEWER)
+        with quiet_optuna():
+            pass  # a library that is not installed is said before the first run
+        with Engine(evaluations, count, execution.output) as points:
+            return _Search(plan, points, watch.report).run()
 
 
 def case_of_plan(plan: OptimumPlan) -> tuple[float, ...]:
@@ -221,73 +208,9 @@ def _nominal(plan: OptimumPlan) -> Array:
     return np.array(values)
 
 
-@known_arguments
-@shows_progress("optimise")
-def optimise(
-    file: str | os.PathLike[str],
-    *,
-    workers: int | None = None,
-    dask: str = "",
-    output: str | os.PathLike[str] | None = None,
-    limit: str = "",
-    progress: Progress | None = None,
-) -> Optimum:
-    """Search springs and lift laws for the best values of any quantities within bounds on any
-    others.
-
-    Parameters
-    ----------
-    file : path of an optimisation file (docs/optimisation.md), or its text
-    workers : points at a time; results do not depend on it
-    dask : "local", the address of a Dask scheduler or the name of a queue ("slurm", "pbs"); empty
-        for processes of this machine
-    output : folder of the finished points, where a search that was stopped or killed continues;
-        none by default
-    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
-    progress : called with the share done and a text
-
-    Returns
-    -------
-    Optimum with every trial in SI, the case itself as trial 0, the best design or the front of
-    several objectives, sensitivities at the best, and its numbers by other models
-
-    Raises
-    ------
-    InputError : one sentence on what is wrong in the file and where, or on a request that is too
-        large
-    MissingExtraError : the library of the search is not installed
-
-    Examples
-    --------
-    The smallest preload with 20 mm of lift left until the coils are solid:
-
-    >>> import valvetrain as vt
-    >>> found = vt.optimise('''
-    ... case = "job-c"
-    ... vary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]
-    ... objective = [{ quantity = "preload", direction = "minimise" }]
-    ... constraint = [{ quantity = "installed_compression", at_least = "6 mm" }]
-    ... rest_model = "massless"
-    ... search = { trials = 12 }
-    ... ''', workers=1)
-    >>> round(1e3 * float(found.best.trial.values[0]), 1)
-    6.0
-    """
-    plan = read_optimum(read_optimum_file(file))
-    return search_plan(plan, workers, dask, output, limit, progress)
-
-
-@known_arguments
 @shows_progress("optimise")
 def search_plan(
-    plan: OptimumPlan,
-    workers: int | None = None,
-    dask: str = "",
-    output: str | os.PathLike[str] | None = None,
-    limit: str = "",
-    progress: Progress | None = None,
+    plan: OptimumPlan, *, progress: Progress | None = None, **execution: Any
 ) -> Optimum:
-    """The search of a plan, with the arguments of :func:`optimise`."""
-    folder = None if output is None else Path(output)
-    with on_cluster(dask, workers) as count:
-        return run_search(plan, count, folder, limits_of(limit), progress)
+    """The search of a plan, with the options of :func:`optimise`."""
+    return run_search(plan, Execution.read(execution), Watch(progress or silent))

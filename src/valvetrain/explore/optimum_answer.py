@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.explore.measure import Measure, Trial
+from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum, case_text
 from valvetrain.explore.optimum_facts import SearchFacts, card_values
 from valvetrain.explore.optimum_rules import RULES
@@ -24,6 +24,7 @@ from valvetrain.explore.results import (
     rows_of,
     varied_of,
 )
+from valvetrain.explore.search import Trial
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, Words, digits_text
 from valvetrain.session import called_case

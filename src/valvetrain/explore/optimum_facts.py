@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
-from valvetrain.explore.measure import Measure, Trial
+from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum
-from valvetrain.explore.results import span_text
+from valvetrain.explore.results import value_text
+from valvetrain.explore.search import Trial
 from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.case import Case
@@ -146,7 +147,7 @@ class SearchFacts(Subject):
             float(end([each.values[place] for each in good])) for end in (np.nanmin, np.nanmax)
         )
         return (
-            span_text(one, low, high)
+            value_text(one.unit, low, high)
             if high - low >= OPEN * abs(np.subtract(*one.ends)) > 0
             else ""
         )

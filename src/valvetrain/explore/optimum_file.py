@@ -4,7 +4,6 @@ table out, or one sentence.
 
 from __future__ import annotations
 
-import os
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -13,7 +12,6 @@ from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
     CaseModel,
-    FileText,
     Limit,
     ModelNames,
     RunsModel,
@@ -108,10 +106,3 @@ class OptimumModel(GoalsModel, CaseModel):
     what = "optimisation file"
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     confirm: ModelNames = Field(default_factory=list, max_length=8)
-
-
-def read_optimum_file(source: str | os.PathLike[str]) -> FileText[OptimumModel]:
-    """The optimisation file at a path, or its text. Raises :class:`InputError`, one sentence with file, line
-    and key.
-    """
-    return FileText.read(source, OptimumModel)

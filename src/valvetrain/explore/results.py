@@ -12,6 +12,8 @@ from valvetrain.findings.words import Words, digits_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.units import unit_factor
+from valvetrain.units.reader import reader_factor, reader_unit
 from valvetrain.views.results import answer_of, write_page
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.study_files import StudyFiles, files_of
@@ -82,10 +84,15 @@ def varied_of(space: Space) -> list[dict[str, str]]:
     ]
 
 
-def span_text(one: Varied, low: float, high: float) -> str:
-    """Two values (SI) of a varied quantity: ``120 to 200 N``."""
-    ends = " to ".join(digits_text(one.shown(end), 0.0, 4) for end in (low, high))
-    return f"{ends} {unit_text(one.unit)}".strip()
+def value_text(unit: str, *values: float, bar: float = 0.0, digits: int = 4) -> str:
+    """A value or a range (SI) in ``unit``, or the reader's in its place, no finer than ``bar`` (SI).
+
+    >>> value_text("mm", 4.1404e-3, 4.2612e-3, bar=3e-5)
+    '4.14 to 4.26 mm'
+    """
+    factor = reader_factor(unit) / unit_factor(unit)
+    texts = (digits_text(one * factor, bar * factor, digits) for one in values)
+    return f"{' to '.join(texts)} {unit_text(reader_unit(unit))}".strip()
 
 
 def range_text(one: Varied) -> str:
@@ -96,9 +103,11 @@ def range_text(one: Varied) -> str:
     """
     kind = one.distribution
     if isinstance(kind, Values):
-        return f"{len(kind.values)} values, {span_text(one, min(kind.values), max(kind.values))}"
+        return (
+            f"{len(kind.values)} values, {value_text(one.unit, min(kind.values), max(kind.values))}"
+        )
     low, high = kind.at([0, 1] if kind.flat else [0.025, 0.975]).tolist()
-    return span_text(one, low, high) + ("" if kind.flat else f", {kind.kind}")
+    return value_text(one.unit, low, high) + ("" if kind.flat else f", {kind.kind}")
 
 
 def csv_writer(frame: pandas.DataFrame) -> Write:
@@ -127,8 +136,14 @@ def write_files(answer: ExploreAnswer, gaps: PartialFailures) -> list[Path]:
     return [path for path in (*made, page) if path is not None]
 
 
+def answer_in(result: object, folder: Path) -> ExploreAnswer:
+    """The answer of a result whose files go into a folder."""
+    answer = answer_of(result)
+    assert isinstance(answer, ExploreAnswer)
+    return replace(answer, folder=folder)
+
+
 def report(result: object, folder: Path) -> StudyFiles:
     """As :func:`write_files`. Raises :class:`RunFailedError` where a part could not be written."""
-    answer, gaps = answer_of(result), PartialFailures()
-    assert isinstance(answer, ExploreAnswer)
-    return files_of(folder, write_files(replace(answer, folder=folder), gaps), gaps.sentences)
+    gaps = PartialFailures()
+    return files_of(folder, write_files(answer_in(result, folder), gaps), gaps.sentences)

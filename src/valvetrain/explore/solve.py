@@ -21,8 +21,8 @@ from valvetrain.explore.draws import (
     linear_draws,
     nested,
     percentiles,
-    silent,
 )
+from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     HIGH,

@@ -19,6 +19,7 @@ from scipy.special import ndtr, ndtri
 from valvetrain.errors import InputError
 from valvetrain.parameters.summary import number, unit_text
 from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
+from valvetrain.units.reader import reader_factor, reader_unit
 
 Array = NDArray[np.float64]
 Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
@@ -410,8 +411,9 @@ class Varied:
         return f"{self.shown_name} {self.value_text(value, digits)}"
 
     def value_text(self, value: float, digits: int = 5) -> str:
-        """The value of :meth:`text` alone."""
-        said = f"{number(self.shown(float(value)), digits)} {unit_text(self.unit)}".strip()
+        """The value of :meth:`text` alone, in the unit of the reader."""
+        of_reader = self.shown(float(value)) * reader_factor(self.unit)
+        said = f"{number(of_reader, digits)} {unit_text(reader_unit(self.unit))}".strip()
         if not self.label or self.operation == "value":
             return said
         return f"× {said}" if self.operation == "factor" else f"{'+' if value >= 0 else ''}{said}"

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from pydantic import Field
 
 from valvetrain.explore.engine import Array, Engine, Evaluation, Interrupted, PointJob
+from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -31,11 +30,10 @@ from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
-from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost, request_cost
+from valvetrain.runs.cost import Cost, request_cost
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.units import known_arguments
 
 #: Seconds of one point below which :data:`TOGETHER` points form a job.
 SHORT, TOGETHER = 0.15, 8
@@ -63,108 +61,42 @@ class Estimate:
     seconds_each: float
 
 
-@known_arguments
-@shows_progress("study")
-def study(
-    file: str | os.PathLike[str],
-    *,
-    workers: int | None = None,
-    dask: str = "",
-    output: str | os.PathLike[str] | None = None,
-    limit: str = "",
-    progress: Progress | None = None,
-) -> StudyTable:
-    """Points of a study over any quantities of a case: how outputs scatter, what makes them
-    scatter.
-
-    Parameters
-    ----------
-    file : path of a study file (docs/studies.md), or its text
-    workers : points at a time; results do not depend on it
-    dask : "local", the address of a Dask scheduler or the name of a queue ("slurm", "pbs"); empty
-        for processes of this machine
-    output : folder of the finished points, where a study that was stopped or killed continues;
-        none by default
-    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
-    progress : called with the share done and a text
-
-    Returns
-    -------
-    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, their status, Sobol
-    indices where requested
-
-    Raises
-    ------
-    InputError : one sentence on what is wrong in the file and where, or on a request that is too
-        large
-    MissingExtraError : Dask or SALib is needed and not installed
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> table = vt.study('''
-    ... case = "job-c"
-    ... engine_speeds = "4000 rpm"
-    ... spring_models = "massless"
-    ... outputs = "peak_spring_force"
-    ... points = { sampler = "list" }
-    ... vary = [{ key = "spring.precompression", values = "6, 8 mm" }]
-    ... ''', workers=1)
-    >>> bool(table.column("peak_spring_force")[1] > table.column("peak_spring_force")[0])
-    True
-    """
-    plan = read_plan(read_study_file(file))
-    return run_plan(plan, workers, dask, output, limits_of(limit), progress)
-
-
-@known_arguments
 @shows_progress("study")
 def run_experiment(
     experiment: Evaluation,
     sampler: SamplerSpec,
-    kind: str,
     options: Mapping[str, Any],
     *,
-    workers: int | None = None,
-    dask: str = "",
-    output: str | os.PathLike[str] | None = None,
-    limit: str = "",
     progress: Progress | None = None,
+    **execution: Any,
 ) -> StudyTable:
     """The table of an experiment by a sampler; see the verbs of :class:`valvetrain.Experiment`."""
-    plan = StudyPlan(experiment, sampler, sampler.read_options(dict(options)), kind=kind)
+    plan = StudyPlan(experiment, sampler, sampler.read_options(dict(options)))
     plan = replace(plan, title=f"{plan.case_name}: {sampler.shown_name}")
-    return run_plan(plan, workers, dask, output, limits_of(limit), progress)
+    return run_plan(plan, Execution.read(execution), Watch(progress or silent))
 
 
 def run_plan(
-    plan: StudyPlan,
-    workers: int | None = None,
-    dask: str = "",
-    folder: str | os.PathLike[str] | None = None,
-    limits: Limits = Limits(),
-    progress: Progress | None = None,
+    plan: StudyPlan, execution: Execution = Execution(), watch: Watch = Watch()
 ) -> StudyTable:
-    """The table of a plan with what its kind adds: Sobol indices. Points that the store in
-    ``folder`` holds are not computed again.
+    """The table of a plan, by a sampler for them with Sobol indices. Points that are stored are not computed again.
 
-    Raises :class:`InputError` for a request beyond ``limits``, :class:`Interrupted` with the
+    Raises :class:`InputError` for a request beyond its limit, :class:`Interrupted` with the
     table when it is stopped.
     """
     begun = time.perf_counter()
-    with on_cluster(dask, workers) as count:
+    with on_cluster(execution.dask, execution.workers) as count:
         estimate = estimate_study(plan, count)
-        refuse_cost(estimate.cost, limits)
+        watch.admit(estimate.cost, execution.limit, f"{estimate.points} points")
         draws, searches = plan.draws(), searches_of(plan.experiment)
 
         def finished() -> None:
-            if progress is not None:
-                total, reached = max(estimate.points, 1), engine.computed + engine.read
-                progress(min(1.0, reached / total), f"{reached} of {total} points")
+            total, reached = max(estimate.points, 1), engine.computed + engine.read
+            watch.report(min(1.0, reached / total), f"{reached} of {total} points")
 
         together = 1 if estimate.seconds_each > SHORT else TOGETHER
-        place = None if folder is None else Path(folder)
-        with Engine((plan.experiment, *searches), count, place, together, finished) as engine:
+        computations = (plan.experiment, *searches)
+        with Engine(computations, count, execution.output, together, finished) as engine:
             stopped = False
             try:
                 refuse_missing(engine, searches)
@@ -217,9 +149,9 @@ def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
 
 
 def analysed(table: StudyTable) -> StudyTable:
-    """The table with what its kind adds: Sobol indices."""
+    """The table with Sobol indices, where its sampler is one for them."""
     plan = table.plan
-    if plan.kind != "tolerance":
+    if plan.sampler.word != "saltelli":
         return table
     names = [one.shown_name for one in plan.varied]
     indices = [
@@ -270,25 +202,15 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
     return seconds + AROUND
 
 
-#: What is computed from the points in addition to their own numbers.
-Kind = Literal["points", "tolerance"]
-
-
 class StudyModel(CaseModel, RunsModel):
     """The whole file; ``points`` holds the sampler, and its options, which it checks itself."""
 
     what = "study file"
-    kind: Kind = "points"
     outputs: Names = Field(default_factory=list)
     limit_speed: list[Limit] = Field(default_factory=list, max_length=MAX_LIMITS)
     points: dict[str, Any] = Field(default_factory=dict)
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     correlation: list[CorrelationModel] = Field(default_factory=list, max_length=MAX_VARIED)
-
-
-def read_study_file(source: str | os.PathLike[str]) -> FileText[StudyModel]:
-    """The study file at a path, or its text. Raises :class:`InputError`, one sentence with file, line and key."""
-    return FileText.read(source, StudyModel)
 
 
 def _default_sampler(text: FileText[StudyModel], space: Space) -> str:
@@ -316,9 +238,6 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
     if isinstance(file := given.get("file"), str):  # of draws, next to this file
         given["file"] = str(text.folder / file)
     options = text.guarded(("points",), lambda: spec.read_options(given))
-    if model.kind == "tolerance" and spec.word != "saltelli":
-        reason = "a study of kind 'tolerance' needs the sampler saltelli; choose it"
-        raise text.located(("points", "sampler"), reason)
     outputs = text.guarded(
         ("outputs",),
         lambda: Outputs(
@@ -334,7 +253,7 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
     text.guarded(("outputs",), lambda: refuse_outputs(experiment))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"
-    plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)
+    plan = StudyPlan(experiment, spec, options, title, model.description)
     if space.correlation is not None or spec.word == "posterior":
         text.guarded(("points",), plan.draws)
     return plan

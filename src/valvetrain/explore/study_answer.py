@@ -195,7 +195,7 @@ class StudyAnswer(ExploreAnswer):
             for one in each.values()
         ]
         return {
-            "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+            "case": plan.case_name, "title": plan.title, "sampler": plan.sampler.word, "points": len(table),
             "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied_of(plan.varied),
             "sensitivities": fields_of(table.sensitivities), "uncertainties": bars,
             "failures": list(table.failures[:MAX_ROWS]),

@@ -15,7 +15,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.explore.table import StudyTable
 from valvetrain.findings.engine import Subject
-from valvetrain.findings.words import RPM, Amount
+from valvetrain.findings.words import RPM, Amount, Phrase, Said
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.solution.definition import definition_of
 
@@ -27,12 +27,15 @@ PUT_IN = ("preload", "installed_", "coil_bind_clearance", *BY_SIZE)
 #: Standard deviations of a 95 % interval, and spread over the size of the mean below which nothing varies.
 SIGMAS, NO_SPREAD = 1.96, 1e-9
 PERCENTILES = (5.0, 50.0, 95.0)
+#: Percentiles below and above which the ends of a varied quantity are.
+FIFTHS = (20.0, 80.0)
 
 
 @dataclass(frozen=True)
 class Effect:
-    """The ``share`` of an output's variance that a varied quantity brings, its 95 % interval (``low``, ``high``), and whether
-    the output ``rises`` with it (1), falls (-1) or neither (0).
+    """The ``share`` of an output's variance that a varied quantity brings, its 95 % interval (``low``, ``high``), whether
+    the output ``rises`` with it (1), falls (-1) or neither (0), and its ``change`` (SI): the mean over the highest fifth of
+    the quantity less that over the lowest.
     """
 
     varied: Varied
@@ -40,6 +43,7 @@ class Effect:
     low: float
     high: float
     rises: int
+    change: float
 
 
 @dataclass(frozen=True)
@@ -227,7 +231,8 @@ class StudyFacts(Subject):
             return []
         sobol = [one for one in table.sensitivities if (one.output, one.run) == (name, self.run)]
         for k in self.changing:
-            ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (table.inputs[rows][there, k], y)]  # fmt: skip
+            x = table.inputs[rows][there, k]
+            ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (x, y)]
             with np.errstate(
                 invalid="ignore"
             ):  # of a stopped study a quantity may not have moved yet
@@ -236,15 +241,31 @@ class StudyFacts(Subject):
             ends = np.tanh(np.arctanh(np.clip(r, -0.999999, 0.999999)) + np.array([-half, half]))
             rises = int(np.sign(r)) if ends[0] * ends[1] > 0 else 0
             low, high = np.sort(ends**2).tolist()
-            one = Effect(table.plan.varied[k], r * r, low if rises else 0.0, high, rises)
+            least, most = np.percentile(x, FIFTHS)
+            change = float(y[x >= most].mean() - y[x <= least].mean())
+            one = Effect(table.plan.varied[k], r * r, low if rises else 0.0, high, rises, change)
             if sobol:
                 low, high = sobol[0].total_interval[k].tolist()
                 one = replace(one, share=float(sobol[0].total[k]), low=low, high=high)
             made.append(one)
         return sorted(made, key=lambda one: -one.share)
 
-    def command(self, design: int) -> str:
-        """The command that runs a design again, at the worst of its engine speeds and runs; empty where a value is a list."""
+    def moved(self) -> Said:
+        """What moves the first output of several chosen quantities most, and by how much; empty of one quantity and of a list."""
+        chosen = [self.table.plan.varied[k] for k in self.along or self.changing]
+        effects = [one for one in self.effects(self.outputs[0]) if one.varied in chosen]
+        if len(effects) < 2 or not effects[0].rises:
+            return ""
+        most = Amount(self.outputs[0], abs(effects[0].change))
+        return Phrase(
+            "{leader} moves it most, by {by:2}",
+            {"leader": effects[0].varied.shown_name, "by": most},
+        )
+
+    def command(self, design: int, only: Varied | None = None) -> str:
+        """The command that runs a design again, at the worst of its engine speeds and runs; empty where a value is a list.
+        With ``only`` one of its quantities has the value of the design, the others those of the case.
+        """
         table, plan, name = self.table, self.table.plan, self.outputs[0]
         if plan.case is None or (plan.case.changed and not self.called):
             return ""
@@ -256,6 +277,8 @@ class StudyFacts(Subject):
         for one, value in zip(plan.varied, table.inputs[row].tolist(), strict=True):
             if one.key == ENGINE_SPEED:
                 speed = value
+            elif only not in (None, one):
+                continue
             elif text := setting(plan.case, one, value):
                 words += ["--set", text]
             else:

@@ -79,7 +79,7 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     judged = name not in facts.limits and facts.sign(name) and count > 1
     return {
         "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
-        "worst_of": f"worst of {count} runs" if judged else "", "step": facts.command(design),
+        "worst_of": f"worst of {count} runs" if judged else "", "step": facts.command(design), "moved": facts.moved(),
     }  # fmt: skip
 
 
@@ -179,13 +179,15 @@ def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
     low, high = (
         facts.amount(name, one) for one in np.percentile(facts.finite(name, run), PERCENTILES[::2])
     )
+    sign, column = facts.sign(name) or -1, facts.table.column(near[0].varied.name)
+    worst = int(np.argmin(sign * near[0].change * column[facts.table.rows_of(run)]))
     enough = ENOUGH_ROWS * (len(plan.varied) + 2) if facts.table.sensitivities else 0
     yield Hit(high, fields={
         "name": label_of(name), "low": low,
         "place": run.label if len(plan.runs) > 1 else "", "count": str(enough if rows < enough else 4 * rows),
-        "leader": near[0].varied.shown_name, "share": per_cent(min(1.0, near[0].share)),
+        "leader": near[0].varied.shown_name, "share": per_cent(min(1.0, near[0].share)), "by": Amount(name, abs(near[0].change)),
         "verb": {1: "rises", -1: "falls", 0: "varies"}[near[0].rises],
-        "rivals": f"{len(near)} quantities are not separated" if len(near) > 1 else "",
+        "rivals": f"{len(near)} quantities are not separated" if len(near) > 1 else "", "step": facts.command(worst, near[0].varied),
     })  # fmt: skip
 
 
@@ -200,18 +202,17 @@ RULES = (
     Rule("J134", "decides", "no point is best by {name}", wide_bar, (), "the differences are within its error bar of {value:2}",
          "vary over wider ranges, or use a finer mesh", mark="warn", guide="uncertainty.md"),
     Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
-    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark="",
+    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}[; {moved}]", "[{step}]", mark="",
          unless=("J12", "J134")),
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok",
+         "[{value:4}][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok",
          unless=("J11", "J12", "J134")),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
          "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
     Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),
-         "{share} of its variance; {low..value:4} in nine of ten draws[, {place}]",
-         "narrow the range of {leader} first", mark="ok"),
+         "[by {by:2} over its range, ]{share} of its variance; {low..value:4} in nine of ten draws[, {place}]", "[{step}]", mark="ok"),
     Rule("J130", "warns", "{share} failed", failed, (), "{code}[: {told}]", guide=GUIDE, unless=("J101",)),
     Rule("J131", "warns", "{told}", lacking, guide=GUIDE, unless=("J101",)),
     Rule("J132", "warns", "{share} are doubtful", doubtful, (), "{told}"),

@@ -37,15 +37,12 @@ MAX_BARRED = 4
 
 @dataclass(frozen=True, eq=False)
 class StudyPlan:
-    """Every draw of the ``sampler`` over the space of an ``experiment``; ``kind``: what is computed
-    from the points (``points``, ``tolerance``).
-    """
+    """Every draw of the ``sampler`` over the space of an ``experiment``."""
 
     experiment: Evaluation
     sampler: SamplerSpec
     options: SamplerOptions
     title: str = ""
-    kind: str = "points"
     description: str = ""
 
     @property

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from numbers import Integral
+from pathlib import Path
 from typing import Any, Self
 
 from valvetrain import registry
@@ -54,6 +55,12 @@ def option(
     if text:
         return dataclasses.field(default_factory=partial(read, text, flag), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
+
+
+def dask_option() -> Any:
+    """The field of a cluster that computes a request."""
+    meaning = "Compute on a Dask cluster: 'local', the address of a scheduler, or slurm, pbs, sge, lsf, htcondor by dask-jobqueue."
+    return option(read_text, meaning, "--dask", "CLUSTER", default="")
 
 
 def options_of(model: type[Any]) -> dict[str, Option]:
@@ -101,6 +108,20 @@ def read_case(given: Any, where: str) -> Any:
 def read_text(given: Any, where: str) -> str:
     """Text as it is."""
     return str(given)
+
+
+def read_path(given: Any, where: str) -> Path:
+    """The path of a folder. Raises :class:`InputError` for an empty name or a zero byte."""
+    text = str(given)
+    if not text.strip():
+        raise InputError(
+            "the name of the folder is empty; give one, or leave the option out", where
+        )
+    if "\0" in text:
+        raise InputError(
+            "the name of the folder holds a zero byte, which no folder can; give another", where
+        )
+    return Path(text)
 
 
 def read_speeds(given: Any, where: str) -> tuple[float, ...]:

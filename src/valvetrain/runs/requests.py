@@ -56,16 +56,11 @@ class Watch:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Request(Fields):
-    """What every request has: its case, what it may cost, and whether implausible values pass."""
+class Limited(Fields):
+    """A request that may cost so much."""
 
     command: ClassVar[str]
 
-    case: Case = option(
-        read_case,
-        "Name of a library case (see 'valvetrain cases') or path of a case file.",
-        metavar="CASE",
-    )
     limit: Limits = option(
         read_limit,
         "Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",
@@ -73,6 +68,36 @@ class Request(Fields):
         "BOUND",
         default=Limits(),
         repeatable=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parallel(Fields):
+    """A request of several runs at a time."""
+
+    workers: int | None = option(
+        partial(read_count, 1, MAX_WORKERS),
+        "Runs at a time (default: the cores there are, at most 4).",
+        "--workers",
+        "N",
+    )
+
+    @property
+    def worker_count(self) -> int:
+        """Runs at a time: those requested, else what this machine or the cluster in use takes."""
+        from valvetrain.runs.workers import worker_count
+
+        return worker_count(self.workers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request(Limited):
+    """What every request of a case has: the case, and whether implausible values pass."""
+
+    case: Case = option(
+        read_case,
+        "Name of a library case (see 'valvetrain cases') or path of a case file.",
+        metavar="CASE",
     )
     implausible: bool = option(
         read_switch,
@@ -114,22 +139,8 @@ class SpringRequest(Request):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ParallelRequest(Request):
-    """A request of several runs at a time."""
-
-    workers: int | None = option(
-        partial(read_count, 1, MAX_WORKERS),
-        "Runs at a time (default: the cores there are, at most 4).",
-        "--workers",
-        "N",
-    )
-
-    @property
-    def worker_count(self) -> int:
-        """Runs at a time: those requested, else what this machine or the cluster in use takes."""
-        from valvetrain.runs.workers import worker_count
-
-        return worker_count(self.workers)
+class ParallelRequest(Parallel, Request):
+    """A request of several runs of a case at a time."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,321 @@
+"""What a study, a search or an identification of a file is asked: one frozen request per command, whose fields are its options and
+its arguments in Python; and the functions that take them.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+from valvetrain.errors import InputError
+from valvetrain.explore.execution import Execution, Watch, silent
+from valvetrain.runs.request_fields import option, read_count, read_text
+from valvetrain.runs.stopping import shows_progress
+from valvetrain.runs.workers import Progress
+
+if TYPE_CHECKING:
+    from valvetrain.explore.files import FileText
+    from valvetrain.explore.identification_file import (
+        IdentificationModel,
+        IdentificationPlan,
+        Search,
+    )
+    from valvetrain.explore.identified import Identified
+    from valvetrain.explore.objective import OptimumPlan
+    from valvetrain.explore.optimum import Optimum
+    from valvetrain.explore.optimum_file import OptimumModel
+    from valvetrain.explore.posterior import Datum, Evaluate
+    from valvetrain.explore.space import Prior
+    from valvetrain.explore.study import StudyModel
+    from valvetrain.explore.table import StudyPlan, StudyTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileRequest(Execution, ABC):
+    """A request that a file makes."""
+
+    file: str
+
+    @cached_property
+    @abstractmethod
+    def text(self) -> FileText[Any]:
+        """The file, read and checked."""
+
+    @cached_property
+    @abstractmethod
+    def plan(self) -> Any:
+        """What the file plans."""
+
+    @abstractmethod
+    def compute(self, execution: Execution, watch: Watch) -> Any:
+        """The result of the plan."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(FileRequest):
+    """A parameter study."""
+
+    command = "study"
+
+    file: str = option(
+        read_text, "Study file (docs/studies.md): case, varied quantities, outputs.", metavar="FILE"
+    )
+
+    @cached_property
+    def text(self) -> FileText[StudyModel]:
+        """The file, read and checked."""
+        from valvetrain.explore.files import FileText
+        from valvetrain.explore.study import StudyModel
+
+        return FileText.read(self.file, StudyModel)
+
+    @cached_property
+    def plan(self) -> StudyPlan:
+        """What the file plans."""
+        from valvetrain.explore.study import read_plan
+
+        return read_plan(self.text)
+
+    def compute(self, execution: Execution, watch: Watch) -> StudyTable:
+        """The table of the plan."""
+        from valvetrain.explore.study import run_plan
+
+        return run_plan(self.plan, execution, watch)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Optimise(FileRequest):
+    """A search of the best design."""
+
+    command = "optimise"
+
+    file: str = option(
+        read_text,
+        "Optimisation file (docs/optimisation.md): ranges, objectives, bounds.",
+        metavar="FILE",
+    )
+
+    @cached_property
+    def text(self) -> FileText[OptimumModel]:
+        """The file, read and checked."""
+        from valvetrain.explore.files import FileText
+        from valvetrain.explore.optimum_file import OptimumModel
+
+        return FileText.read(self.file, OptimumModel)
+
+    @cached_property
+    def plan(self) -> OptimumPlan:
+        """What the file plans."""
+        from valvetrain.explore.objective import read_optimum
+
+        return read_optimum(self.text)
+
+    def compute(self, execution: Execution, watch: Watch) -> Optimum:
+        """The search of the plan."""
+        from valvetrain.explore.optimise import run_search
+
+        return run_search(self.plan, execution, watch)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identify(FileRequest):
+    """An identification from measurements."""
+
+    command = "identify"
+
+    file: str = option(
+        read_text,
+        "Identification file: case, quantities with priors, measurements.",
+        metavar="FILE",
+    )
+    search: Search | None = option(
+        lambda given, where: given, "Method and options of the search, instead of the file's."
+    )
+    method: str | None = option(
+        read_text, "least-squares or nested instead of the file's.", "--method", "METHOD"
+    )
+    seed: int | None = option(
+        partial(read_count, 0, 10**7), "Seed of all random numbers.", "--seed", "N"
+    )
+
+    @cached_property
+    def text(self) -> FileText[IdentificationModel]:
+        """The file, read and checked."""
+        from valvetrain.explore.files import FileText
+        from valvetrain.explore.identification_file import IdentificationModel
+
+        return FileText.read(self.file, IdentificationModel)
+
+    @cached_property
+    def plan(self) -> IdentificationPlan:
+        """What the file plans, by the method and the seed of the request."""
+        from valvetrain.explore.identification_file import read_identification
+
+        plan = read_identification(self.text)
+        given = {"method": self.method, "seed": self.seed}
+        search = (self.search or plan.search).changed(
+            **{key: one for key, one in given.items() if one is not None}
+        )
+        return replace(plan, search=search)
+
+    def compute(self, execution: Execution, watch: Watch) -> Identified:
+        """What the plan identifies."""
+        from valvetrain.explore.identify import run_identification
+
+        return run_identification(self.plan, execution, watch)
+
+
+@shows_progress("study")
+def study(
+    file: str | os.PathLike[str], *, progress: Progress | None = None, **options: Any
+) -> StudyTable:
+    """Points of a study over any quantities of a case: how outputs scatter, what makes them
+    scatter.
+
+    Parameters
+    ----------
+    file : path of a study file (docs/studies.md), or its text
+    progress : called with the share done and a text
+    options : further fields of :class:`valvetrain.explore.requests.Study`:
+        ``workers``, points at a time: results do not depend on it;
+        ``dask``, "local", the address of a Dask scheduler or the name of a queue ("slurm", "pbs"); empty
+        for processes of this machine;
+        ``output``, folder of the finished points, where a study that was stopped or killed continues: none by default;
+        ``limit``, largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
+
+    Returns
+    -------
+    StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, their status, Sobol
+    indices where requested
+
+    Raises
+    ------
+    InputError : one sentence on what is wrong in the file and where, or on a request that is too
+        large
+    MissingExtraError : Dask or SALib is needed and not installed
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> table = vt.study('''
+    ... case = "job-c"
+    ... engine_speeds = "4000 rpm"
+    ... spring_models = "massless"
+    ... outputs = "peak_spring_force"
+    ... points = { sampler = "list" }
+    ... vary = [{ key = "spring.precompression", values = "6, 8 mm" }]
+    ... ''', workers=1)
+    >>> bool(table.column("peak_spring_force")[1] > table.column("peak_spring_force")[0])
+    True
+    """
+    request = Study.read({"file": file, **options})
+    return request.compute(request, Watch(progress or silent))
+
+
+@shows_progress("optimise")
+def optimise(
+    file: str | os.PathLike[str], *, progress: Progress | None = None, **options: Any
+) -> Optimum:
+    """Search springs and lift laws for the best values of any quantities within bounds on any
+    others.
+
+    Parameters
+    ----------
+    file : path of an optimisation file (docs/optimisation.md), or its text
+    progress : called with the share done and a text
+    options : further fields of :class:`valvetrain.explore.requests.Optimise`: ``workers``, ``dask``, ``output`` and ``limit``, as for
+        :func:`valvetrain.study`
+
+    Returns
+    -------
+    Optimum with every trial in SI, the case itself as trial 0, the best design or the front of
+    several objectives, sensitivities at the best, and its numbers by other models
+
+    Raises
+    ------
+    InputError : one sentence on what is wrong in the file and where, or on a request that is too
+        large
+    MissingExtraError : the library of the search is not installed
+
+    Examples
+    --------
+    The smallest preload with 20 mm of lift left until the coils are solid:
+
+    >>> import valvetrain as vt
+    >>> found = vt.optimise('''
+    ... case = "job-c"
+    ... vary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]
+    ... objective = [{ quantity = "preload", direction = "minimise" }]
+    ... constraint = [{ quantity = "installed_compression", at_least = "6 mm" }]
+    ... rest_model = "massless"
+    ... search = { trials = 12 }
+    ... ''', workers=1)
+    >>> round(1e3 * float(found.best.trial.values[0]), 1)
+    6.0
+    """
+    request = Optimise.read({"file": file, **options})
+    return request.compute(request, Watch(progress or silent))
+
+
+@shows_progress("identify")
+def identify(
+    quantities: Mapping[str, Prior] | str | os.PathLike[str],
+    measurements: Sequence[Datum] = (),
+    evaluate: Evaluate | None = None,
+    *,
+    search: Search | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Identified:
+    """Quantities that meet measurements, with their prior: their most probable
+    values, intervals and branches.
+
+    Parameters
+    ----------
+    quantities : path of an identification file (docs/identification.md), which says all the rest, or its text;
+        or the prior of each quantity by name
+    measurements : data of a computation of one's own
+    evaluate : points (n, quantities) in SI -> for each a mapping of names to numbers (SI), None for
+        one that is impossible
+    search : method and its options; those of the file by default
+    progress : called with the share done and a text
+    options : ``output``, ``workers``, ``dask`` and ``limit``, as for :func:`valvetrain.study`; of a file also ``method`` and
+        ``seed`` instead of the file's. A computation of one's own has no workers and no limit
+
+    Returns
+    -------
+    Identified: branches, intervals, correlations, what the data determine, and the percentile of
+    each measurement in its prediction
+
+    Raises
+    ------
+    InputError : one sentence on what is wrong with the file or the data, cannot be computed or is
+        too large; MissingExtraError where the
+        library of a method is not installed; RunFailedError where a point is lost with its worker
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> def surge(points):
+    ...     return [{"load": 7e-3 * rate, "surge": 0.5 * (rate / mass) ** 0.5} for rate, mass in points]
+    >>> priors = {"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}
+    >>> found = vt.identify(priors, [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)], surge)
+    >>> print(f"{found.best['rate']:.0f} N/m, {1e3 * found.best['mass']:.1f} g")
+    40000 N/m, 50.0 g
+    """
+    watch = Watch(progress or silent)
+    if not isinstance(quantities, Mapping):
+        request = Identify.read({"file": quantities, "search": search, **options})
+        return request.compute(request, watch)
+    if evaluate is None:
+        raise InputError(
+            "a computation is missing; give evaluate, or the path of an identification file"
+        )
+    from valvetrain.explore.identify import identify_points
+
+    output = Execution.read(options).output
+    return identify_points(quantities, measurements, evaluate, search, output, watch)
