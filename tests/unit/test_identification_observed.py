@@ -145,7 +145,7 @@ def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, measured,
 
 def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
     request = request_of(PRELOAD, tmp_path, search={"method": "nested", "live_points": 9_000_000})
-    with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with --limit"):
+    with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with limit="):
         run_identification(request, Execution(workers=1))
 
 

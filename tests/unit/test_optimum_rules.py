@@ -87,7 +87,7 @@ def by_another(found: Optimum, share: float) -> Optimum:
     before, after = (float(one.objectives[0]) for one in (found.case, best.trial))
     value = before + share * (after - before)
     other = replace(best.trial, measured=Measured({**best.trial.measured.values, goal: value}, {}))
-    confirmed = (Confirmed("a finer mesh", found.plan, found.case, other),)
+    confirmed = (Confirmed("a finer mesh", found.case, other),)
     return replace(found, designs=(replace(best, confirmed=confirmed), *found.designs[1:]))
 
 

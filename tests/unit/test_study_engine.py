@@ -158,4 +158,4 @@ def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
 
 def test_a_request_beyond_its_bound_is_refused_with_its_numbers(computed):
     with pytest.raises(InputError, match=r"beyond the bound of 1 s"):
-        computed(plan_of(50), Instant(), limits=Limits(1.0, 1e12))
+        computed(plan_of(50), Instant(), limit=Limits(1.0, 1e12))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,11 +20,10 @@ from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
 from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.workers import Progress
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
-#: Called with the share done and a text.
-Report = Callable[[float, str], None]
 #: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
 #: points computed between them.
 DIP, BETWEEN = 2.0, 7
@@ -205,7 +204,7 @@ def draws_of_peak(
     return work[:count], density[:count]
 
 
-def nested(posterior: Posterior, search: Search, report: Report = silent) -> Draws:
+def nested(posterior: Posterior, search: Search, report: Progress = silent) -> Draws:
     """Weighted draws of the posterior with their branches, and the logarithm of its evidence, which
     has no error bar.
 

@@ -12,10 +12,14 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.samplers import listed
 from valvetrain.explore.samplers import sampler as find_sampler
+from valvetrain.explore.space import Prior, Varied
 from valvetrain.explore.study import run_experiment
 from valvetrain.explore.table import StudyTable
+from valvetrain.runs.stopping import shows_progress
+from valvetrain.runs.workers import Progress
 
 if TYPE_CHECKING:
     import xarray
@@ -81,32 +85,50 @@ class Experiment(Evaluation):
         options = {"count": count, "seed": seed}
         return run_experiment(self, find_sampler("saltelli"), options, **execution).sensitivities
 
+    @shows_progress("optimise")
     def optimise(
         self,
         objective: Sequence[Mapping[str, Any]],
         constraint: Sequence[Mapping[str, Any]] = (),
         search: Mapping[str, Any] | None = None,
+        *,
+        progress: Progress | None = None,
         **execution: Any,
     ) -> Optimum:
         """The best point by objectives within constraints; tables as in an optimisation file
         (docs/optimisation.md), such as ``{"quantity": "preload", "direction": "minimise"}``.
         """
         from valvetrain.explore.objective import plan_of_experiment
-        from valvetrain.explore.optimise import search_plan
+        from valvetrain.explore.optimise import run_search
 
-        return search_plan(
-            plan_of_experiment(self, objective, constraint, search or {}), **execution
-        )
+        plan = plan_of_experiment(self, objective, constraint, search or {})
+        return run_search(plan, Execution.read(execution), Watch(progress or silent))
 
+    @shows_progress("identify")
     def calibrate(
         self,
         measurements: Sequence[Datum],
         search: Search | None = None,
+        *,
+        progress: Progress | None = None,
         **execution: Any,
     ) -> Identified:
         """The quantities that agree with measurements, with the distributions of the space as
         priors. The key of a datum is that of ``key_of_output``.
         """
-        from valvetrain.explore.identify import calibrate
+        from valvetrain.explore.identification_file import Search
+        from valvetrain.explore.identify import Sought, identify_sought
+        from valvetrain.explore.posterior import Unknown
 
-        return calibrate(self, tuple(measurements), search, **execution)
+        if self.space.correlation is not None:
+            reason = "the priors of a calibration are independent; leave it out"
+            raise InputError(reason, "correlation")
+        unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in self.space)
+        sought, watch = Sought(unknowns, tuple(measurements), self), Watch(progress or silent)
+        return identify_sought(sought, search or Search(), Execution.read(execution), watch)
+
+
+def _prior_of(one: Varied) -> Prior:
+    if not isinstance(one.distribution, Prior):
+        raise InputError("is a list of values, which is no prior; give a distribution", one.name)
+    return one.distribution

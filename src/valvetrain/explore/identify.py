@@ -15,23 +15,21 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal, vary
-from valvetrain.explore.draws import Report
-from valvetrain.explore.engine import Computation, Engine, Evaluation, Place
-from valvetrain.explore.execution import Execution, Watch, silent
+from valvetrain.explore.engine import Computation, Engine, Place
+from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.identification_file import IdentificationPlan, Search, evaluator_of
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.observe import IMPOSSIBLE, Observed
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.posterior import Datum, Evaluate, Numbers, Posterior, Unknown
 from valvetrain.explore.solve import solve
-from valvetrain.explore.space import Prior, Varied
+from valvetrain.explore.space import Prior
 from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
-from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import LOST, LOST_REMEDY
 
 Array = NDArray[np.float64]
@@ -126,34 +124,6 @@ def numbers_by(engine: Engine, computation: Computation) -> Evaluate:
     return evaluate
 
 
-@shows_progress("identify")
-def calibrate(
-    experiment: Evaluation,
-    measurements: tuple[Datum, ...],
-    search: Search | None,
-    *,
-    progress: Report | None = None,
-    **execution: Any,
-) -> Identified:
-    """The quantities of an experiment that agree with measurements; see
-    :meth:`valvetrain.Experiment.calibrate`.
-    """
-    space = experiment.space
-    if space.correlation is not None:
-        raise InputError("the priors of a calibration are independent; leave it out", "correlation")
-    unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
-    sought = Sought(unknowns, measurements, experiment)
-    return _identified(
-        sought, search or Search(), Execution.read(execution), Watch(progress or silent)
-    )
-
-
-def _prior_of(one: Varied) -> Prior:
-    if not isinstance(one.distribution, Prior):
-        raise InputError("is a list of values, which is no prior; give a distribution", one.name)
-    return one.distribution
-
-
 def run_identification(
     plan: IdentificationPlan, execution: Execution = Execution(), watch: Watch = Watch()
 ) -> Identified:
@@ -170,7 +140,7 @@ def run_identification(
             raise
     units = {one.key: one.unit for one in plan.targets}
     sought = Sought(plan.unknowns, plan.data, fitted, compared, start, units)
-    result = _identified(sought, plan.search, execution, watch)
+    result = identify_sought(sought, plan.search, execution, watch)
     result = replace(result, text=plan.text, name=plan.title)
     return replace(result, case_file=identified_case(plan, result.best))
 
@@ -189,7 +159,9 @@ class Sought:
     units: Mapping[str, str] = field(default_factory=dict)
 
 
-def _identified(sought: Sought, search: Search, execution: Execution, watch: Watch) -> Identified:
+def identify_sought(
+    sought: Sought, search: Search, execution: Execution, watch: Watch
+) -> Identified:
     """The answer of a search whose cost, by the time of one point, is within its limit."""
     fitted, compared = sought.fitted, sought.compared
     computations = (fitted, *filter(None, [compared]))

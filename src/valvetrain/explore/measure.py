@@ -56,16 +56,16 @@ class Measure:
     @property
     def si_unit(self) -> str:
         """SI unit of its values."""
-        return "rad/s" if self.limit is not None else definition_of(self.quantity).si_unit
+        return definition_of(self.output).si_unit
 
     @property
     def unit(self) -> str:
         """Unit in which tables show it."""
-        return "rpm" if self.limit is not None else definition_of(self.quantity).unit_word
+        return definition_of(self.output).unit_word
 
     def shown(self, value: float) -> float:
         """A value (SI) in the unit of tables."""
-        return value / RPM if self.limit is not None else float(shown(self.quantity, value)[0])
+        return float(shown(self.output, value)[0])
 
     def of(self, values: Sequence[float]) -> float:
         """The number of several runs; nan where one is missing."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -60,17 +60,9 @@ Place = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Confirmation:
-    """Another model that the best design is computed by: its name as ``label``, and the plan of its points."""
-
-    label: str
-    plan: OptimumPlan
-
-
-@dataclass(frozen=True, eq=False)
 class OptimumPlan:
     """What a search does. ``plans``: the evaluations of points at rest, at the runs, and of limit
-    speeds, those that are needed.
+    speeds, those that are needed. ``confirmations``: another model that the best design is computed by -> the plan of that.
     """
 
     title: str
@@ -81,7 +73,7 @@ class OptimumPlan:
     constraints: tuple[Constraint, ...]
     search: SearchModel
     plans: Evaluations
-    confirmations: tuple[Confirmation, ...] = ()
+    confirmations: Mapping[str, OptimumPlan] = field(default_factory=dict)
 
     @property
     def case_name(self) -> str:
@@ -214,10 +206,10 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
     if model.spring_sets:
         text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
     plan = _Reader(text, case, space).plan()
-    confirmations = tuple(
-        text.guarded(("confirm", place), lambda one=one: Confirmation(one, plan.by_another(one)))
+    confirmations = {
+        one: text.guarded(("confirm", place), lambda one=one: plan.by_another(one))
         for place, one in enumerate(model.confirm)
-    )
+    }
     return with_finest(replace(plan, confirmations=confirmations))
 
 
@@ -248,7 +240,7 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     if plan.case is None:
         return plan
     models, springs = set[str](), list[InstalledSpring]()
-    for every in (plan, *(one.plan for one in plan.confirmations)):
+    for every in (plan, *plan.confirmations.values()):
         for source, part in every.plans.items():
             request, of_plan = part.outputs.request, set[str]()
             for run in part.runs:
@@ -266,7 +258,7 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     made = plan.by_another(finest)
     if 2 * made.seconds > plan.search.trials * plan.seconds:
         return plan
-    return replace(plan, confirmations=(*plan.confirmations, Confirmation(finest, made)))
+    return replace(plan, confirmations={**plan.confirmations, finest: made})
 
 
 def _in_order(one: Varied) -> Varied:

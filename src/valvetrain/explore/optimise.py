@@ -8,7 +8,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
 from valvetrain.explore.evaluate import doubts
-from valvetrain.explore.execution import Execution, Watch, silent
+from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, measure_designs
 from valvetrain.explore.objective import OptimumPlan
@@ -25,7 +24,6 @@ from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import Array, Trial, best_of, quiet_optuna, search_from
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
-from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -46,7 +44,7 @@ class SearchEstimate:
 def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
     """Estimated cost of a plan: every trial to the end of its scans, and the confirmations."""
     trials = plan.search.trials + 1
-    computing = trials * plan.seconds + sum(2 * one.plan.seconds for one in plan.confirmations)
+    computing = trials * plan.seconds + sum(2 * one.seconds for one in plan.confirmations.values())
     searched = [one.limit for one in plan.measures if one.limit is not None]
     points = sum(len(one.runs) for one in plan.measures)
     points += sum(len(one.engine_speeds) + CLOSER for one in searched)
@@ -62,7 +60,7 @@ def run_search(
     Raises :class:`InputError` for a request beyond its limit, and :class:`Interrupted` with
     what was finished when it is stopped.
     """
-    every = [plan, *(one.plan for one in plan.confirmations)]
+    every = [plan, *plan.confirmations.values()]
     evaluations = [one for part in every for one in part.plans.values()]
     for evaluation in evaluations:
         refuse_outputs(evaluation)
@@ -164,14 +162,14 @@ class _Search:
     def confirmed(self, best: Trial) -> tuple[Confirmed, ...]:
         """The case and the best design by other models, each against the bounds by that model."""
         made = []
-        for one in self.plan.confirmations:
-            self.progress(0.98, f"confirming by {one.label}")
-            case = design = self.case(one.plan)
+        for label, plan in self.plan.confirmations.items():
+            self.progress(0.98, f"confirming by {label}")
+            case = design = self.case(plan)
             if best.number:
                 there = [tuple(best.values.tolist())]
-                (measured,) = measure_designs(self.points, one.plan.plans, there, case.plan.measures)  # fmt: skip
+                (measured,) = measure_designs(self.points, plan.plans, there, case.plan.measures)  # fmt: skip
                 design = replace(best, measured=measured, plan=case.plan)
-            made.append(Confirmed(one.label, case.plan, case, design))
+            made.append(Confirmed(label, case, design))
         return tuple(made)
 
     def error_bars(self, made: Optimum) -> tuple[Uncertainty, ...]:
@@ -206,11 +204,3 @@ def _nominal(plan: OptimumPlan) -> Array:
         except InputError:
             values.append(np.nan)
     return np.array(values)
-
-
-@shows_progress("optimise")
-def search_plan(
-    plan: OptimumPlan, *, progress: Progress | None = None, **execution: Any
-) -> Optimum:
-    """The search of a plan, with the options of :func:`optimise`."""
-    return run_search(plan, Execution.read(execution), Watch(progress or silent))

@@ -5,7 +5,7 @@ be trusted.
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +40,6 @@ class Confirmed:
     """
 
     label: str
-    plan: OptimumPlan = field(repr=False)
     case: Trial
     design: Trial
 

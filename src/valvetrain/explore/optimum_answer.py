@@ -52,23 +52,18 @@ class OptimumAnswer(ExploreAnswer):
     result: Optimum
 
     @property
-    def found(self) -> Optimum:
-        """The search."""
-        return self.result
-
-    @property
     def facts(self) -> SearchFacts:
         """The search as rules read it, with the case file of its best design."""
-        there = self.folder is not None and self.found.best is not None
-        written = there and self.found.plan.case is not None
+        there = self.folder is not None and self.result.best is not None
+        written = there and self.result.plan.case is not None
         file = str(self.folder / BEST) if written and self.folder else ""
-        return SearchFacts(self.found, file, self.words.case)
+        return SearchFacts(self.result, file, self.words.case)
 
     @property
     def title(self) -> str:
         """Title of the search, and how many designs it tried."""
-        found = self.found
-        return f"{found.plan.title}, {len(found.trials) - 1} designs and the case, {found.feasible} meet every bound"
+        result = self.result
+        return f"{result.plan.title}, {len(result.trials) - 1} designs and the case, {result.feasible} meet every bound"
 
     @property
     def headings(self) -> list[str]:
@@ -86,12 +81,12 @@ class OptimumAnswer(ExploreAnswer):
         return [] if trial is None else [*self._objectives(trial), *self._varied(trial), *self._bounds(trial)]  # fmt: skip
 
     def _cells(self, one: Measure, before: float, after: float, trial: Trial) -> tuple[str, ...]:
-        pairs = ((before, self.found.case), (after, trial))
+        pairs = ((before, self.result.case), (after, trial))
         return tuple(self.words.said(self.facts.said(one, value, each), 4) for value, each in pairs)
 
     def _objectives(self, trial: Trial) -> Iterator[Line]:
-        for place, goal in enumerate(self.found.plan.objectives):
-            before, after = (float(one.objectives[place]) for one in (self.found.case, trial))
+        for place, goal in enumerate(self.result.plan.objectives):
+            before, after = (float(one.objectives[place]) for one in (self.result.case, trial))
             bar = self.facts.bar(goal.measure, after, trial)
             remarks = [f"{100 * (after / before - 1):+.2g} %".replace("-", "−")] if before and np.isfinite(after / before) else []  # fmt: skip
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
@@ -99,20 +94,20 @@ class OptimumAnswer(ExploreAnswer):
             yield Line(goal.measure.label, (*self._cells(goal.measure, before, after, trial), reach), "", ", ".join(remarks))  # fmt: skip
 
     def _varied(self, trial: Trial) -> Iterator[Line]:
-        plan, facts = self.found.plan, self.facts
+        plan, facts = self.result.plan, self.facts
         for place, one in enumerate(plan.varied):
-            values = (float(each.values[place]) for each in (self.found.case, trial))
+            values = (float(each.values[place]) for each in (self.result.case, trial))
             cells = (one.value_text(value, 4) if np.isfinite(value) else "" for value in values)
             mark: Mark = "warn" if place in facts.ends else ""
             remark = "end of its range" if mark else f"{alike} as good" if (alike := facts.alike(place)) else ""  # fmt: skip
             yield Line(one.shown_name, (*cells, range_text(one)), mark, remark)
-        for label, name, *pair in card_values(self.found, trial):
+        for label, name, *pair in card_values(self.result, trial):
             yield Line(label, (*(self.words.amount(Amount(name, value), 4) for value in pair), ""))
 
     def _bounds(self, trial: Trial) -> Iterator[Line]:
-        active = self.found.active(trial)
-        for place, bound in enumerate(self.found.plan.constraints):
-            before, after, miss = (float(one[place]) for one in (self.found.case.constraints, trial.constraints, trial.missed))  # fmt: skip
+        active = self.result.active(trial)
+        for place, bound in enumerate(self.result.plan.constraints):
+            before, after, miss = (float(one[place]) for one in (self.result.case.constraints, trial.constraints, trial.missed))  # fmt: skip
             mark: Mark = "bad" if miss > 0 else "ok"
             remark = "missed" if miss > 0 else "limits it" if place in active else f"{digits_text(-100 * miss, 0, 2)} % to spare"  # fmt: skip
             limit = f"{'at most' if bound.upper else 'at least'} {self.words.said(self.facts.said(bound.measure, bound.bound), 4)}"
@@ -136,7 +131,11 @@ class OptimumAnswer(ExploreAnswer):
 
     def _front(self) -> TextTable:
         """Designs of the front of several objectives."""
-        goals, varied, front = self.found.plan.objectives, self.found.plan.varied, self.found.front
+        goals, varied, front = (
+            self.result.plan.objectives,
+            self.result.plan.varied,
+            self.result.front,
+        )
         rows = []
         for one in front[:: -(-len(front) // DESIGNS)] if self.facts.several and front else ():
             values = (self.words.said(self.facts.objective(one, k), 4) for k in range(len(goals)))
@@ -147,90 +146,85 @@ class OptimumAnswer(ExploreAnswer):
 
     def _models(self) -> TextTable:
         """The same rows by other models."""
-        best, rows = self.found.best, list[tuple[str, ...]]()
+        best, rows = self.result.best, list[tuple[str, ...]]()
         for one in best.confirmed if best is not None else ():
-            found = replace(self.found, plan=one.plan, case=one.case, designs=(Design(one.design, ""),), error_bars=())  # fmt: skip
-            lines = OptimumAnswer(found, words=self.words)._rows
+            result = replace(self.result, plan=one.design.plan, case=one.case, designs=(Design(one.design, ""),), error_bars=())  # fmt: skip
+            lines = OptimumAnswer(result, words=self.words)._rows
             rows += [(one.label,), *((each.label, *each.cells, each.remark) for each in lines)]
         return TextTable("By other models", ("", *self.headings, ""), tuple(rows))
 
     @property
     def stopped(self) -> bool:
         """Whether it was stopped before its end."""
-        return not self.found.finished
+        return not self.result.finished
 
     @property
     def failures(self) -> tuple[str, ...]:
         """The verdict where no design meets every bound."""
-        return () if self.stopped or self.found.best is not None else (str(self.verdict),)
+        return () if self.stopped or self.result.best is not None else (str(self.verdict),)
 
     def data(self) -> dict[str, Any]:
         """Plan, designs and trials."""
-        found, plan = self.found, self.found.plan
+        result, plan = self.result, self.result.plan
         return {
-            "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seed": plan.search.seed, "trials": len(found.trials),
-            "feasible_trials": found.feasible, "computed": found.computed, "varied": varied_of(plan.varied),
+            "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seed": plan.search.seed, "trials": len(result.trials),
+            "feasible_trials": result.feasible, "computed": result.computed, "varied": varied_of(plan.varied),
             "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
-            "of_case": fields_of(found.case), "designs": fields_of(found.designs), "front": [one.number for one in found.front],
-            "history": found.history(),
-            "uncertainties": [uncertainty_object(one) for one in found.error_bars],
-            "completed": found.finished and found.best is not None, **rows_of(found.to_pandas()),
+            "of_case": fields_of(result.case), "designs": fields_of(result.designs), "front": [one.number for one in result.front],
+            "history": result.history(),
+            "uncertainties": [uncertainty_object(one) for one in result.error_bars],
+            "completed": result.finished and result.best is not None, **rows_of(result.to_pandas()),
         }  # fmt: skip
 
     def files(self) -> Mapping[str, Write]:
         """Every trial as CSV, and case files of the designs, the best first."""
-        found = self.found
-        made: dict[str, Write] = {"trials.csv": csv_writer(found.to_pandas())}
-        for place, design in enumerate(found.designs if found.plan.case is not None else ()):
+        result = self.result
+        made: dict[str, Write] = {"trials.csv": csv_writer(result.to_pandas())}
+        for place, design in enumerate(result.designs if result.plan.case is not None else ()):
             name = BEST if place == 0 else f"design-{place + 1}.toml"
-            made[name] = partial(_write_case, found, design)
+            made[name] = partial(_write_case, result, design)
         return made
 
     def computed(self) -> Iterator[str]:
         """Method, runs, where numbers are taken, and what could not be computed."""
-        found, search = self.found, self.found.plan.search
-        yield f"{found.computed} runs in {found.seconds:.0f} s by {search.method}, seed {search.seed}."
-        for one in found.plan.measures:
+        result, search = self.result, self.result.plan.search
+        yield f"{result.computed} runs in {result.seconds:.0f} s by {search.method}, seed {search.seed}."
+        for one in result.plan.measures:
             if one.limit is not None:
-                yield f"The limit is {self.words.said(Amount(one.quantity, found.bound_of_limit(one)), 4)} of {one.quantity}."
-        failures = [one.failure for one in found.trials if one.failure]
+                yield f"The limit is {self.words.said(Amount(one.quantity, result.bound_of_limit(one)), 4)} of {one.quantity}."
+        failures = [one.failure for one in result.trials if one.failure]
         if failures:
             yield f"{len(failures)} designs could not be computed (trials.csv), such as: {failures[0]}"
-        if found.plan.description:
-            yield found.plan.description
-
-    @property
-    def text(self) -> str:
-        """The case file that was varied."""
-        return "" if self.found.plan.case is None else self.found.plan.case.text
+        if result.plan.description:
+            yield result.plan.description
 
 
-def _write_case(found: Optimum, design: Design, path: Path) -> Path:
-    return write_text(path, case_text(found, design))
+def _write_case(result: Optimum, design: Design, path: Path) -> Path:
+    return write_text(path, case_text(result, design))
 
 
-def answer_of_search(found: Optimum, folder: Path | None = None) -> OptimumAnswer:
+def answer_of_search(result: Optimum, folder: Path | None = None) -> OptimumAnswer:
     """What is shown of a search, in pounds and inches where a force was varied in pounds.
 
     >>> import valvetrain as vt
-    >>> found = vt.optimise('''
+    >>> result = vt.optimise('''
     ... case = "job-c"
     ... vary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]
     ... objective = [{ quantity = "solid_force", direction = "minimise" }]
     ... search = { trials = 4, per_round = 2 }
     ... ''', workers=1)
-    >>> answer_of_search(found).verdict.code[0]
+    >>> answer_of_search(result).verdict.code[0]
     'O'
     """
-    pounds = any(one.unit == "lbf" for one in found.plan.varied)
+    pounds = any(one.unit == "lbf" for one in result.plan.varied)
     words = Words("imperial" if pounds else shown_system(), case=called_case())
-    return OptimumAnswer(found, folder, words=words)
+    return OptimumAnswer(result, folder, words=words)
 
 
 def _designs(facts: SearchFacts) -> go.Figure | None:
     """Two objectives of the designs; else the objective over the one quantity that was varied, or in colour over two."""
-    found, plan, several = facts.found, facts.found.plan, facts.several
-    trials = [one for one in found.trials if np.all(np.isfinite([*one.values, *one.objectives]))]
+    result, plan, several = facts.result, facts.result.plan, facts.several
+    trials = [one for one in result.trials if np.all(np.isfinite([*one.values, *one.objectives]))]
     goals = [
         (_axis(facts, k), [facts.number(each.measure, float(one.objectives[k])) for one in trials])
         for k, each in enumerate(plan.objectives)
@@ -250,10 +244,10 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
             marker |= {"color": np.array(heights)[at], "colorscale": "Viridis", "colorbar": {"title": {"text": label, "side": "right"}}}  # fmt: skip
         if at.any():
             fig.add_scatter(x=np.array(x)[at], y=np.array(y)[at], name=name, mode="markers", marker=marker)  # fmt: skip
-    if several and found.best is not None:
-        order = [trials.index(one) for one in found.front]
+    if several and result.best is not None:
+        order = [trials.index(one) for one in result.front]
         fig.add_scatter(x=[x[k] for k in order], y=[y[k] for k in order], name="front", mode="lines", line={"color": LEAD})  # fmt: skip
-    for name, trial, colour, symbol in (("case", found.case, OTHER, "diamond"), (facts.name, facts.trial, OK, "star")):  # fmt: skip
+    for name, trial, colour, symbol in (("case", result.case, OTHER, "diamond"), (facts.name, facts.trial, OK, "star")):  # fmt: skip
         if trial in trials:
             k = trials.index(trial)
             fig.add_scatter(x=[x[k]], y=[y[k]], name=name, mode="markers", marker={"color": colour, "size": 13, "symbol": symbol})  # fmt: skip
@@ -261,16 +255,16 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
 
 
 def _axis(facts: SearchFacts, place: int = 0) -> str:
-    one = facts.found.plan.objectives[place].measure
-    return f"{one.label}, {one.unit}".rstrip(", ") if facts.found.plan.case is not None else one.label  # fmt: skip
+    one = facts.result.plan.objectives[place].measure
+    return f"{one.label}, {one.unit}".rstrip(", ") if facts.result.plan.case is not None else one.label  # fmt: skip
 
 
 def _progress(facts: SearchFacts) -> go.Figure | None:
     """The best value that meets every bound after each trial."""
-    found = facts.found
-    if facts.several or not found.feasible:
+    result = facts.result
+    if facts.several or not result.feasible:
         return None
     fig = panels((1.0,))
-    values = [facts.number(facts.goal, float(one)) for one in found.history()]
+    values = [facts.number(facts.goal, float(one)) for one in result.history()]
     fig.add_scatter(y=values, mode="lines", line={"color": LEAD, "shape": "hv"})
     return styled(fig, "trial", (_axis(facts),), 300)

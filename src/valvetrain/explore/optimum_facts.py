@@ -31,19 +31,19 @@ ALIKE, OPEN = 0.01, 0.1
 class SearchFacts(Subject):
     """A search as rules read it; ``file``: case file of the best design, empty where none was written."""
 
-    found: Optimum
+    result: Optimum
     file: str = ""
     called: str = ""
 
     @property
     def case(self) -> str:
         """What a command takes for its case."""
-        return self.called or self.found.plan.case_name
+        return self.called or self.result.plan.case_name
 
     @property
     def step(self) -> str:
         """The command that draws the best springs of a train beside those of the case, else the run of the best design."""
-        plan = self.found.plan
+        plan = self.result.plan
         springs = all(one.key.startswith("train.springs.") for one in plan.varied)
         if not self.file or plan.case is None or not springs or plan.case.changed:
             return f"valvetrain run {self.file}" if self.file else ""
@@ -52,33 +52,33 @@ class SearchFacts(Subject):
     @property
     def several(self) -> bool:
         """Whether there are several objectives."""
-        return len(self.found.plan.objectives) > 1
+        return len(self.result.plan.objectives) > 1
 
     @property
     def name(self) -> str:
         """What the design is that is set beside the case."""
-        return "nearest" if self.found.best is None else "balanced" if self.several else "best"
+        return "nearest" if self.result.best is None else "balanced" if self.several else "best"
 
     def number(self, one: Measure, value: float) -> float:
         """A number (SI) of a measure in its unit; as it is where a function gives it."""
-        return value if self.found.plan.case is None else one.shown(value)
+        return value if self.result.plan.case is None else one.shown(value)
 
     @property
     def goal(self) -> Measure:
         """The first objective."""
-        return self.found.plan.objectives[0].measure
+        return self.result.plan.objectives[0].measure
 
     @property
     def best(self) -> Design | None:
         """The best design of one objective that is not the case itself."""
-        best = self.found.best
+        best = self.result.best
         return best if best is not None and best.trial.number and not self.several else None
 
     @property
     def trial(self) -> Trial | None:
         """The best design, or where none meets every bound the one that comes nearest."""
-        best = self.found.best
-        return self.found.nearest if best is None else best.trial
+        best = self.result.best
+        return self.result.nearest if best is None else best.trial
 
     def gain(self, trial: Trial, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""
@@ -87,7 +87,7 @@ class SearchFacts(Subject):
     @property
     def slight(self) -> float:
         """By what share the best design is better than a case that meets every bound, where that is less than 2 %; else 0."""
-        best, case = self.best, self.found.case
+        best, case = self.best, self.result.case
         before = abs(float(case.objectives[0]))
         share = (
             self.gain(best.trial, case) / before
@@ -98,11 +98,11 @@ class SearchFacts(Subject):
 
     def objective(self, trial: Trial, place: int = 0) -> Said:
         """An objective of a design."""
-        return self.said(self.found.plan.objectives[place].measure, float(trial.objectives[place]), trial)  # fmt: skip
+        return self.said(self.result.plan.objectives[place].measure, float(trial.objectives[place]), trial)  # fmt: skip
 
     def bound(self, place: int) -> Phrase:
         """``estimated rate at least 40 N/mm``, by its place in ``Trial.missed``."""
-        plan = self.found.plan
+        plan = self.result.plan
         if place >= len(plan.constraints):
             name = plan.objectives[place - len(plan.constraints)].measure.label
             return Phrase("{name} above the lowest speed searched", {"name": name})
@@ -116,9 +116,9 @@ class SearchFacts(Subject):
         """
         if not np.isfinite(value):
             return ""
-        if self.found.plan.case is None:
+        if self.result.plan.case is None:
             return digits_text(value, 0.0, 4)
-        amount = Amount("engine_speed" if one.limit else one.quantity, value, self.bar(one, value, trial))  # fmt: skip
+        amount = Amount(one.output, value, self.bar(one, value, trial))  # fmt: skip
         kinds = {each.kind for each in trial.measured.limits.get(one, ())} if trial is not None else set()  # fmt: skip
         side = "below {at:4}" if BELOW in kinds else "{at:4} or more" if kinds == {BEYOND} else ""
         return Phrase(side, {"at": amount}) if side else amount
@@ -129,18 +129,18 @@ class SearchFacts(Subject):
             return 0.0
         if one.limit is not None:
             return max((each.high - each.low for each in trial.measured.limits.get(one, ()) if each.kind == FOUND), default=0.0)  # fmt: skip
-        rows = [row for row in self.found.error_bars if row.quantity == one.quantity and np.isfinite(row.numerical)]  # fmt: skip
+        rows = [row for row in self.result.error_bars if row.quantity == one.quantity and np.isfinite(row.numerical)]  # fmt: skip
         return min(rows, key=lambda row: abs(row.value - value)).numerical if rows else 0.0
 
     def alike(self, place: int) -> str:
         """``180 to 200 N``: how far a varied quantity may go with designs as good; empty where the search settles it."""
-        one = self.found.plan.varied[place]
+        one = self.result.plan.varied[place]
         if self.best is None:
             return ""
         cost = float(self.best.trial.costs[0])
         good = [
             each
-            for each in self.found.trials
+            for each in self.result.trials
             if each.feasible and abs(each.costs[0] - cost) <= ALIKE * abs(cost)
         ]
         low, high = (
@@ -156,16 +156,16 @@ class SearchFacts(Subject):
     def ends(self) -> list[int]:
         """Places of varied quantities at an end of their range in the design, but those that designs as good leave open."""
         trial = self.trial
-        return [] if trial is None else [place for place, _ in self.found.at_ends(trial) if not self.alike(place)]  # fmt: skip
+        return [] if trial is None else [place for place, _ in self.result.at_ends(trial) if not self.alike(place)]  # fmt: skip
 
 
-def card_values(found: Optimum, trial: Trial) -> Iterator[tuple[str, str, float, float]]:
+def card_values(result: Optimum, trial: Trial) -> Iterator[tuple[str, str, float, float]]:
     """Loads and rate of the spring cards that a design changes and that are neither varied nor searched: the name, of
     several springs with theirs, the quantity, and its value (SI) in the case and in the design.
     """
-    if found.plan.case is None:
+    if result.plan.case is None:
         return
-    both = [_springs(case) for case in (found.plan.case, found.case_of(Design(trial, "")))]
+    both = [_springs(case) for case in (result.plan.case, result.case_of(Design(trial, "")))]
     shown = [*trial.values, *trial.objectives, *trial.constraints]
     for one, other in zip(*both, strict=True):
         before, after = (

@@ -25,16 +25,16 @@ Hits = Iterator[Hit]
 
 def nothing(facts: SearchFacts) -> Hits:
     """No design could be computed."""
-    found = facts.found
+    result = facts.result
     if facts.trial is None:
-        common = Counter(one.failure for one in found.trials).most_common(1)[0][0]
-        yield Hit(fields={"count": f"{len(found.trials)}", "why": found.case.failure or common})
+        common = Counter(one.failure for one in result.trials).most_common(1)[0][0]
+        yield Hit(fields={"count": f"{len(result.trials)}", "why": result.case.failure or common})
 
 
 def missed(facts: SearchFacts) -> Hits:
     """No design meets every bound: the bound that the nearest misses most, and by how much."""
-    trial, bounds = facts.trial, facts.found.plan.constraints
-    if facts.found.best is None and trial is not None:
+    trial, bounds = facts.trial, facts.result.plan.constraints
+    if facts.result.best is None and trial is not None:
         place = int(np.argmax(trial.penalties))
         by: Said = f"{100 * trial.penalties[place]:.2g} %"
         if place < len(bounds):
@@ -45,17 +45,17 @@ def missed(facts: SearchFacts) -> Hits:
 
 def wide(facts: SearchFacts) -> str:
     """``the range of seat load``: that of the first varied quantity at an end of its range, else all."""
-    names = [facts.found.plan.varied[place].shown_name for place in facts.ends]
+    names = [facts.result.plan.varied[place].shown_name for place in facts.ends]
     return f"the range of {names[0]}" if names else "the ranges"
 
 
 def front(facts: SearchFacts) -> Hits:
     """Of several objectives: the designs of the front, and how far the first two go."""
-    designs = facts.found.front
-    if facts.several and facts.found.best is not None:
+    designs = facts.result.front
+    if facts.several and facts.result.best is not None:
         fields: dict[str, Said] = {"count": f"{len(designs)}", "step": facts.step}
         for place, word in enumerate("ab"):
-            one = facts.found.plan.objectives[place].measure
+            one = facts.result.plan.objectives[place].measure
             values = [float(each.objectives[place]) for each in designs]
             fields |= {word: one.label, f"{word}_least": facts.said(one, min(values)), f"{word}_most": facts.said(one, max(values))}  # fmt: skip
         yield Hit(fields=fields)
@@ -63,15 +63,15 @@ def front(facts: SearchFacts) -> Hits:
 
 def itself(facts: SearchFacts) -> Hits:
     """Nothing beats the case."""
-    found = facts.found
-    if not facts.several and found.best is not None and not found.best.trial.number:
-        before = facts.objective(found.case)
+    result = facts.result
+    if not facts.several and result.best is not None and not result.best.trial.number:
+        before = facts.objective(result.case)
         yield Hit(fields={"name": facts.goal.label, "before": before, "wide": wide(facts)})
 
 
 def denying(facts: SearchFacts) -> Confirmed | None:
     """The other model that confirms least of the gain, less than nine tenths; None where all confirm it."""
-    best, case = facts.best, facts.found.case
+    best, case = facts.best, facts.result.case
     if best is None or not case.feasible or not best.confirmed:
         return None
     least = min(best.confirmed, key=lambda one: facts.gain(one.design, one.case))
@@ -81,7 +81,7 @@ def denying(facts: SearchFacts) -> Confirmed | None:
 
 def within_bars(facts: SearchFacts) -> bool:
     """Whether the gain is within the error bars."""
-    best, case = facts.best, facts.found.case
+    best, case = facts.best, facts.result.case
     if best is None or not case.feasible:
         return False
     bars = (facts.bar(facts.goal, float(one.objectives[0]), one) for one in (best.trial, case))
@@ -92,19 +92,19 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
     """The best design of one objective next to the case, where a condition holds."""
 
     def hits(facts: SearchFacts) -> Hits:
-        best, found, fields = facts.best, facts.found, dict[str, Said]()
+        best, result, fields = facts.best, facts.result, dict[str, Said]()
         if best is None or not condition(facts):
             return
         if (other := denying(facts)) is not None:
             pair = (facts.said(one.plan.objectives[0].measure, float(one.objectives[0]), one) for one in (other.case, other.design))  # fmt: skip
             fields = dict(zip(("by_before", "by_after"), pair, strict=True)) | {"by": other.label}
-        active = found.active(best.trial)
+        active = result.active(best.trial)
         limits: Said = tuple(map(facts.bound, active)) if len(active) <= NAMED else f"{len(active)} bounds"  # fmt: skip
-        worse = [facts.bound(place) for place, miss in enumerate(found.case.missed) if miss > 0]
+        worse = [facts.bound(place) for place, miss in enumerate(result.case.missed) if miss > 0]
         fields |= {
-            "name": facts.goal.label, "before": facts.objective(found.case), "after": facts.objective(best.trial), "limits": limits,
-            "hold": "limit" if len(active) > 1 else "limits", "worse": found.case.failure or worse[:1],
-            "most": "most" if found.plan.objectives[0].maximise else "least", "step": facts.step, "share": f"{100 * facts.slight:.2g} %",
+            "name": facts.goal.label, "before": facts.objective(result.case), "after": facts.objective(best.trial), "limits": limits,
+            "hold": "limit" if len(active) > 1 else "limits", "worse": result.case.failure or worse[:1],
+            "most": "most" if result.plan.objectives[0].maximise else "least", "step": facts.step, "share": f"{100 * facts.slight:.2g} %",
         }  # fmt: skip
         yield Hit(fields=fields)
 
@@ -113,18 +113,20 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
 
 def cut(facts: SearchFacts) -> Hits:
     """A search that was stopped."""
-    if not facts.found.finished:
-        yield Hit(fields={"count": f"{len(facts.found.trials) - 1}"})
+    if not facts.result.finished:
+        yield Hit(fields={"count": f"{len(facts.result.trials) - 1}"})
 
 
 def other_model(facts: SearchFacts) -> Hits:
     """Bounds that the best design misses by another model, or that it cannot compute it."""
-    best = facts.found.best
+    best = facts.result.best
     for one in best.confirmed if best is not None else ():
         if one.design.failure:
             yield Hit(fields={"by": one.label, "why": one.design.failure}, severity=float("inf"))
             continue
-        there = SearchFacts(replace(facts.found, plan=one.plan))  # with the bounds by that model
+        there = SearchFacts(
+            replace(facts.result, plan=one.design.plan)
+        )  # with the bounds by that model
         for place, miss in enumerate(one.design.missed):
             if miss > 0:
                 off: Said = f"{100 * miss:.2g} %"
@@ -133,7 +135,7 @@ def other_model(facts: SearchFacts) -> Hits:
 
 def confirmed(facts: SearchFacts) -> Hits:
     """Other models by which the best design meets every bound."""
-    best = facts.found.best
+    best = facts.result.best
     for one in best.confirmed if best is not None else ():
         if one.design.feasible and one.design.number:
             after = facts.said(facts.goal, float(one.design.objectives[0]), one.design)
@@ -142,19 +144,19 @@ def confirmed(facts: SearchFacts) -> Hits:
 
 def doubtful(facts: SearchFacts) -> Hits:
     """Values of the best design that are unusual where those of the case are not."""
-    if facts.found.doubt:
-        yield Hit(fields={"doubt": facts.found.doubt.partition(". ")[0].partition("; ")[0]})
+    if facts.result.doubt:
+        yield Hit(fields={"doubt": facts.result.doubt.partition(". ")[0].partition("; ")[0]})
 
 
 def at_end(facts: SearchFacts) -> Hits:
     """A varied quantity of the best design at an end of its range."""
-    if facts.ends and facts.found.best is not None:
+    if facts.ends and facts.result.best is not None:
         yield Hit(fields={"wide": wide(facts)})
 
 
 def unresolved(facts: SearchFacts) -> Hits:
     """Numbers of the search whose error bar is half of them or more."""
-    for row in facts.found.error_bars:
+    for row in facts.result.error_bars:
         if row.numerical >= UNRESOLVED * abs(row.value) > 0:
             fields = {"name": label_of(row.quantity), "speed": speed_text(row.engine_speed or 0.0)}
             yield Hit(Amount(row.quantity, row.value, row.numerical), None, None, fields, row.numerical / abs(row.value))  # fmt: skip
@@ -162,15 +164,15 @@ def unresolved(facts: SearchFacts) -> Hits:
 
 def alone(facts: SearchFacts) -> Hits:
     """Runs by models that leave out parts of the spring, with no other to confirm them."""
-    best = facts.found.best
-    models = {run[1] for one in facts.found.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
+    best = facts.result.best
+    models = {run[1] for one in facts.result.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
     if best is not None and not best.confirmed and models and not models & FULL:
         yield Hit(fields={"model": joined(sorted(filter(None, models))) or "the model of the case"})
 
 
 def alike(facts: SearchFacts) -> Hits:
     """Quantities that designs as good leave open."""
-    reaches = {one.shown_name: facts.alike(place) for place, one in enumerate(facts.found.plan.varied)}  # fmt: skip
+    reaches = {one.shown_name: facts.alike(place) for place, one in enumerate(facts.result.plan.varied)}  # fmt: skip
     texts = [f"{name}: {reach}" for name, reach in reaches.items() if reach]
     if texts:
         only = max(reaches.values(), key=len) if len(texts) == 1 else ""
@@ -188,7 +190,7 @@ RULES = (
          "the model of the search has {after:4}", STEP, mark="warn"),
     Rule("O107", "decides", "no gain beyond the error bars", better(within_bars), (), "{name} {before:4} of the case and {after:4} of the best",
          STEP, mark="warn", unless=("O106",)),
-    Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.found.case.feasible), (),
+    Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.result.case.feasible), (),
          "the case misses {worse}", STEP, mark="ok"),
     Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(lambda facts: not facts.slight), (), "[{limits} {hold} it]",
          STEP, mark="ok", unless=("O106", "O107", "O108")),

@@ -41,6 +41,12 @@ class ExploreAnswer(ShownByRules):
         return False
 
     @property
+    def text(self) -> str:
+        """The case file."""
+        case = self.result.plan.case
+        return "" if case is None else case.text
+
+    @property
     def failures(self) -> tuple[str, ...]:
         """What makes its command fail."""
         return ()

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from valvetrain.explore.draws import (
     Draws,
-    Report,
     branches_of_peaks,
     even_draws,
     linear_draws,
@@ -46,6 +45,7 @@ from valvetrain.explore.least_squares import (
 from valvetrain.explore.posterior import Evaluate, Posterior
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.workers import Progress
 
 Array = NDArray[np.float64]
 #: Ends of keys whose numbers are never negative.
@@ -62,7 +62,7 @@ def solve(
     store: Store,
     *,
     start: Array | None = None,
-    report: Report = silent,
+    report: Progress = silent,
     compare: Evaluate | None = None,
     units: Mapping[str, str] = MappingProxyType({}),
 ) -> Identified:
@@ -177,7 +177,7 @@ def _columns(
 
 
 def _searched(
-    posterior: Posterior, search: Search, start: Array, report: Report
+    posterior: Posterior, search: Search, start: Array, report: Progress
 ) -> tuple[list[Peak], list[float], Draws]:
     """The peak of each branch by least squares from several starts, its probability, and linearised
     draws.

@@ -219,11 +219,6 @@ class StudyAnswer(ExploreAnswer):
         if not table.sensitivities:
             yield "Shares of the variance are squared correlations of ranks."
 
-    @property
-    def text(self) -> str:
-        """The case file."""
-        return "" if self.result.plan.case is None else self.result.plan.case.text
-
 
 def _effect(one: Effect | None) -> str:
     """``98 % of the variance (95 to 99 %), rises with it``."""
