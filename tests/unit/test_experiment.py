@@ -34,8 +34,8 @@ def line(intercept, slope):
     return {f"at {x}": intercept + slope * x for x in (0, 1, 2)}
 
 
-def function_of(function, names, space, correlation=None):
-    return vt.Experiment(None, vt.Space(space, correlation), vt.Outputs(names, function=function))
+def function_of(function, names, space):
+    return vt.Experiment(None, vt.Space(space), vt.Outputs(names, function=function))
 
 
 def test_the_dataset_of_an_experiment_equals_single_runs_bit_for_bit():
@@ -179,29 +179,6 @@ def test_optimise_finds_the_minimum_of_a_function_within_a_constraint():
     assert float(trials.objective_1.where(trials.feasible).min()) == pytest.approx(0.08, abs=0.002)
 
 
-def test_correlated_draws_have_the_stated_correlation():
-    experiment = function_of(
-        line,
-        ["at 0"],
-        {"intercept": UNIT_NORMAL, "slope": UNIT_NORMAL},
-        [[1.0, -0.7], [-0.7, 1.0]],
-    )
-    table = experiment.sample("sobol", {"count": 1024}, workers=1)
-    assert np.corrcoef(table.inputs.T)[0, 1] == pytest.approx(-0.7, abs=0.01)
-    assert np.std(table.inputs, axis=0) == pytest.approx(1.0, abs=0.02)
-    with pytest.raises(vt.InputError, match="knows no correlation"):
-        experiment.sensitivity(workers=1)
-
-
-@pytest.mark.parametrize(
-    "matrix",
-    [[[1.0]], [[1.0, 0.2], [0.3, 1.0]], [[1.0, 1.0], [1.0, 1.0]], [[2.0, 0.0], [0.0, 1.0]]],
-)
-def test_a_matrix_that_is_no_correlation_is_refused(matrix):
-    with pytest.raises(vt.InputError, match="symmetric matrix"):
-        vt.Space({"a": UNIT_NORMAL, "b": UNIT_NORMAL}, matrix)
-
-
 def test_limit_speeds_are_outputs_beside_quantities():
     """A falling bound: spring force grows with precompression, so its limit speed falls."""
     outputs = vt.Outputs(
@@ -305,70 +282,3 @@ def test_a_distribution_may_be_left_to_its_other_keys():
             assert (found.centre, found.spread) == pytest.approx(
                 (prior.centre, prior.spread), nan_ok=True
             )
-
-
-def test_correlation_of_a_file_reaches_the_draws():
-    text = STUDY.format(
-        tables="""
-points = { sampler = "sobol", count = 512 }
-[[vary]]
-key = "spring.precompression"
-mean = "7 mm"
-standard_deviation = "0.1 mm"
-[[vary]]
-key = "spring.wire_diameter"
-mean = "4 mm"
-standard_deviation = "0.01 mm"
-[[correlation]]
-between = ["spring.precompression", "spring.wire_diameter"]
-coefficient = 0.5
-"""
-    )
-    plan = read_plan(FileText(text, "study", Path(), StudyModel))
-    assert np.corrcoef(plan.draws().T)[0, 1] == pytest.approx(0.5, abs=0.02)
-    with pytest.raises(vt.InputError, match="two of the varied quantities"):
-        read_plan(
-            FileText(
-                text.replace('between = ["spring.p', 'between = ["spring.r'),
-                "s",
-                Path(),
-                StudyModel,
-            )
-        )
-    with pytest.raises(vt.InputError, match="knows no correlation"):
-        read_plan(FileText(text.replace('"sobol", count = 512', '"grid"'), "s", Path(), StudyModel))
-
-
-CORRELATED = """
-case = "job-c"
-engine_speeds = "4000 rpm"
-outputs = "peak_spring_force"
-[[vary]]
-key = "spring.precompression"
-mean = "7 mm"
-standard_deviation = "0.1 mm"
-[[vary]]
-key = "spring.wire_diameter"
-mean = "4 mm"
-standard_deviation = "0.01 mm"
-[[correlation]]
-between = ["spring.precompression", "spring.wire_diameter"]
-coefficient = 0.5
-"""
-
-
-@pytest.mark.parametrize(
-    ("now", "then"),
-    [
-        ("coefficient = 0.5", "coefficient = 1.5"),
-        ("coefficient = 0.5", 'coefficient = "half"'),
-        ("coefficient = 0.5", "coefficient = 0.5\nof = 1"),
-        ('", "spring.wire_diameter"]', '"]'),
-        ("[[correlation]]", "[correlation]"),
-    ],
-)
-def test_a_correlation_that_is_none_is_refused_at_its_place(now, then):
-    assert now in CORRELATED
-    with pytest.raises(vt.InputError) as caught:
-        read_plan(FileText(CORRELATED.replace(now, then), "file", Path(), StudyModel))
-    assert "correlation" in caught.value.where

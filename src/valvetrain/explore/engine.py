@@ -204,7 +204,7 @@ def with_case_units(case: Case, space: Space) -> Space:
                 f"its distribution has the dimension {given}, the quantity {due}; correct the units",
                 one.key,
             )
-    return Space(varied, space.correlation)
+    return Space(varied)
 
 
 class Engine:

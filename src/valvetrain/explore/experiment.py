@@ -120,9 +120,6 @@ class Experiment(Evaluation):
         from valvetrain.explore.identify import Sought, identify_sought
         from valvetrain.explore.posterior import Unknown
 
-        if self.space.correlation is not None:
-            reason = "the priors of a calibration are independent; leave it out"
-            raise InputError(reason, "correlation")
         unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in self.space)
         sought, watch = Sought(unknowns, tuple(measurements), self), Watch(progress or silent)
         return identify_sought(sought, search or Search(), Execution.read(execution), watch)

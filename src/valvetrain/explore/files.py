@@ -9,14 +9,12 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -214,13 +212,6 @@ class RunsModel(StrictModel):
     rest_model: ModelName = ""
 
 
-class CorrelationModel(StrictModel):
-    """One ``[[correlation]]`` table: the ``coefficient`` of the normal scores of two quantities."""
-
-    between: list[str] = Field(min_length=2, max_length=2)
-    coefficient: Annotated[float, Field(gt=-1.0, lt=1.0)]
-
-
 def standard_names(tree: Mapping[str, Any]) -> dict[str, Any]:
     """A file with its keys by their standard names: ``[quantities.NAME]`` tables become ``[[vary]]``
     tables with the name as label.
@@ -233,22 +224,6 @@ def standard_names(tree: Mapping[str, Any]) -> dict[str, Any]:
             for name, table in named.items()
         ]
     return found
-
-
-def correlation_of(
-    names: Sequence[str], pairs: Sequence[tuple[Sequence[str], float]]
-) -> NDArray[np.float64] | None:
-    """The correlation matrix of ``[[correlation]]`` tables, None without any."""
-    matrix = np.eye(len(names))
-    for between, coefficient in pairs:
-        if len(set(between)) != 2 or not set(between) <= set(names):
-            raise InputError(
-                f"between names two of the varied quantities: {', '.join(names)[:200]}",
-                "correlation",
-            )
-        first, second = map(names.index, between)
-        matrix[first, second] = matrix[second, first] = coefficient
-    return matrix if pairs else None
 
 
 FileModel = TypeVar("FileModel", bound=StrictModel)
@@ -292,20 +267,13 @@ class FileText(Generic[FileModel]):
 
     @cached_property
     def space(self) -> Space:
-        """What the file varies, each quantity once; correlations name quantities by key or by label."""
+        """What the file varies, each quantity once."""
         model: Any = self.model
         varied = [
             self.guarded(("vary", index), lambda one=one: varied_of_table(one, self.case))
             for index, one in enumerate(model.vary)
         ]
         space: Space = self.guarded(("vary",), lambda: Space(varied))
-        pairs = [(one.between, one.coefficient) for one in getattr(model, "correlation", ())]
-        if pairs:
-            by_key = all(name in space.names for between, _ in pairs for name in between)
-            names = space.names if by_key else [one.label or one.name for one in varied]
-            space = self.guarded(
-                ("correlation",), lambda: Space(varied, correlation_of(names, pairs))
-            )
         return space
 
     def located(self, path: tuple[str | int, ...], reason: str) -> InputError:

@@ -21,7 +21,7 @@ from valvetrain.explore.draws import even_draws
 from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
-from valvetrain.explore.space import Space, Varied
+from valvetrain.explore.space import Varied
 from valvetrain.parameters.changes import nearest
 from valvetrain.solution.atomic import checked_content
 from valvetrain.solution.channels import ChannelArrays, Variable
@@ -254,10 +254,6 @@ class PosteriorOptions(CountedOptions):
 def _first_posterior(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     """Draws (count, d) in SI of equal weight, every quantity by its label or name."""
     assert isinstance(options, PosteriorOptions)
-    if isinstance(varied, Space) and varied.correlation is not None:
-        raise InputError(
-            "the draws of a posterior are correlated as they are; leave correlation out", "points"
-        )
     columns, weights = read_draws(Path(options.file))
     chosen = []
     for one in varied:

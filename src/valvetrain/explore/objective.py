@@ -283,7 +283,7 @@ class _Reader:
         function: Callable[..., Any] | None = None,
     ) -> None:
         self.text, self.case, self.function = text, case, function
-        self.space = Space([_in_order(one) for one in space], space.correlation)
+        self.space = Space([_in_order(one) for one in space])
 
     def plan(self) -> OptimumPlan:
         """The plan, without confirmations."""

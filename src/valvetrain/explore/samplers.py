@@ -83,10 +83,8 @@ def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
 
 
 def spread(varied: Sequence[Varied], shares: Array) -> Array:
-    """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution,
-    correlated where the space is.
-    """
-    return (varied if isinstance(varied, Space) else Space(varied)).points(shares)
+    """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution."""
+    return Space(varied).points(shares)
 
 
 def _drawn(cube: Callable[[int, int, int], Array]) -> Draw:

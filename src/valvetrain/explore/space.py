@@ -1,4 +1,4 @@
-"""The space of an experiment: varied quantities, the distribution of each, and their correlation.
+"""The space of an experiment: varied quantities and the distribution of each.
 
 A distribution is flat or normal in a working coordinate, the value itself or its logarithm, between
 bounds. Studies read it as a scatter or a range, identifications as a prior.
@@ -421,13 +421,11 @@ class Varied:
 
 @dataclass(frozen=True, init=False)
 class Space(Sequence[Varied]):
-    """Varied quantities with their distributions, and the correlation of these.
+    """Varied quantities with their distributions, each independent of the others.
 
     ``varied``: a mapping of names to distributions, or :class:`Varied` quantities. A name is a key
     of the case (``spring.wire_diameter``, or ``springs.0.wire.wire_diameter`` as
     :meth:`Case.replace` takes it) or an argument of the function that is evaluated.
-    ``correlation`` (d, d): of the normal scores of the distributions (a Gaussian copula); None for
-    independent quantities.
 
     >>> import valvetrain as vt
     >>> space = vt.Space(
@@ -438,33 +436,14 @@ class Space(Sequence[Varied]):
     """
 
     varied: tuple[Varied, ...]
-    correlation: tuple[tuple[float, ...], ...] | None = None
 
-    def __init__(
-        self,
-        varied: Mapping[str, Distribution] | Sequence[Varied],
-        correlation: ArrayLike | None = None,
-    ) -> None:
+    def __init__(self, varied: Mapping[str, Distribution] | Sequence[Varied]) -> None:
         if isinstance(varied, Mapping):
             varied = [Varied(name, distribution=one) for name, one in varied.items()]
         object.__setattr__(self, "varied", tuple(varied))
         names = self.names
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"'{twice[:60]}' is varied twice; give it once")
-        if correlation is not None:
-            matrix = np.asarray(correlation, dtype=float)
-            if matrix.shape != (len(names), len(names)) or not (
-                np.allclose(matrix, matrix.T)
-                and np.allclose(np.diag(matrix), 1.0)
-                and np.all(np.linalg.eigvalsh(matrix) > 1e-12)
-            ):
-                raise InputError(
-                    f"a correlation of {len(names)} quantities is a symmetric matrix of that size, of ones on its diagonal and positive "
-                    "definite; correct it",
-                    "correlation",
-                )
-            correlation = tuple(map(tuple, matrix.tolist()))
-        object.__setattr__(self, "correlation", correlation)
 
     @overload
     def __getitem__(self, index: int) -> Varied: ...
@@ -485,12 +464,9 @@ class Space(Sequence[Varied]):
         return tuple(one.name for one in self.varied)
 
     def points(self, shares: ArrayLike) -> Array:
-        """Points (n, d) in SI of shares (n, d) in the unit cube, correlated where the space is."""
+        """Points (n, d) in SI of shares (n, d) in the unit cube."""
         # half of the last bit off either end, where a distribution without bounds is infinite
         inside = np.clip(np.asarray(shares, dtype=float), 2.0**-53, 1 - 2.0**-53)
-        if self.correlation is not None:
-            root = np.linalg.cholesky(np.array(self.correlation))
-            inside = np.clip(ndtr(ndtri(inside) @ root.T), 2.0**-53, 1 - 2.0**-53)
         return np.column_stack(
             [one.distribution.at(inside[:, index]) for index, one in enumerate(self.varied)]
         )

@@ -16,7 +16,6 @@ from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
-    CorrelationModel,
     FileText,
     Limit,
     Names,
@@ -210,7 +209,6 @@ class StudyModel(CaseModel, RunsModel):
     limit_speed: list[Limit] = Field(default_factory=list, max_length=MAX_LIMITS)
     points: dict[str, Any] = Field(default_factory=dict)
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
-    correlation: list[CorrelationModel] = Field(default_factory=list, max_length=MAX_VARIED)
 
 
 def _default_sampler(text: FileText[StudyModel], space: Space) -> str:
@@ -218,7 +216,7 @@ def _default_sampler(text: FileText[StudyModel], space: Space) -> str:
     unless draws are counted. Raises :class:`InputError` where they can be combined in two ways.
     """
     listed = all(isinstance(one.distribution, Values) for one in space)
-    if not listed or text.model.points or space.correlation is not None:
+    if not listed or text.model.points:
         return "sobol"
     if len(space) == 1:
         return "list"
@@ -254,6 +252,6 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.description)
-    if space.correlation is not None or spec.word == "posterior":
+    if spec.word == "posterior":
         text.guarded(("points",), plan.draws)
     return plan

@@ -75,16 +75,7 @@ class StudyPlan:
         return (*outputs.quantities, *(one.name for one in outputs.limit_speeds))
 
     def draws(self) -> Array:
-        """The points (n, d). Raises :class:`InputError` where there is none and for a design
-        of independent quantities over correlated ones.
-        """
-        if self.varied.correlation is not None and (
-            not self.sampler.independent or self.sampler.word == "saltelli"
-        ):
-            raise InputError(
-                f"sampler {self.sampler.word} knows no correlation; choose latin-hypercube, sobol or monte-carlo",
-                "points.sampler",
-            )
+        """The points (n, d). Raises :class:`InputError` where there is none."""
         draws = self.sampler.draw(self.varied, self.options)
         if not len(draws):
             raise InputError("the sampler gives no point; request more", "points")
