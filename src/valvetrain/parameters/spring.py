@@ -28,14 +28,14 @@ SAME_HEIGHT = 0.01
 MIN_LENGTH = 1e-6
 
 
+#: Curve of a wire -> what refusals call it.
+_LABELS = {
+    "wire_diameter": "wire diameter", "mean_diameter": "mean coil diameter", "pitch": "pitch",
+}  # fmt: skip
+
+
 def check_spring(spring: SpringDefinition) -> None:
     """Raise :class:`InputError` when ``spring`` is impossible."""
-    for part in ("wire_diameter", "mean_diameter", "pitch"):
-        given = getattr(spring, part)
-        if not isinstance(given, Curve):
-            raise InputError(
-                f"{part} of spring '{spring.name}' is no curve over the coil number; write Constant({given!r}) for one value"
-            )
     if not isinstance(spring.material, Material):
         raise InputError(
             f"material of spring '{spring.name}' is no Material; give one, such as material_by_name('oteva 90 sc')"
@@ -59,58 +59,50 @@ def check_spring(spring: SpringDefinition) -> None:
             "at least half a turn must be free: add turns or hold less"
         )
     coil = np.linspace(0.0, spring.total_coils, max(64, int(64 * spring.total_coils)) + 1)
-    for law, label in (
-        (spring.wire_diameter, "wire diameter"),
-        (spring.mean_diameter, "mean coil diameter"),
-    ):
-        values = law.value(coil)
-        _refuse(~(values > 0), coil, spring, f"{label} is not positive; give a positive length")
-        _refuse(
-            values < MIN_LENGTH,
-            coil,
-            spring,
-            f"{label} is less than a micrometre, which no wire is; check its unit",
-        )
-    _refuse(~np.isfinite(spring.pitch.value(coil)), coil, spring, "pitch is not a finite number")
+    for key, label in _LABELS.items():
+        _check_curve(spring, key, label, coil)
     _refuse(
-        spring.pitch.value(coil) < 0,
-        coil,
-        spring,
-        "pitch is negative, so the wire runs back through itself; make it positive",
-    )
-    beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))
-    for law, label in (
-        (spring.wire_diameter, "wire diameter"),
-        (spring.mean_diameter, "mean coil diameter"),
-        (spring.pitch, "pitch"),
-    ):
-        bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
-        remedy = f"let its curve continue {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
-        _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
-    for law, name in (
-        (spring.wire_diameter, "wire_diameter"),
-        (spring.mean_diameter, "mean_diameter"),
-        (spring.pitch, "pitch"),
-    ):
-        # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the
-        # shape
-        if (largest := float(np.max(law.value(coil)))) >= 0.2:
-            si(largest, name, f"{name} of spring '{spring.name}'")
-    thick = spring.index(coil) <= 1.0
-    _refuse(
-        thick,
+        spring.index(coil) <= 1.0,
         coil,
         spring,
         "mean coil diameter does not exceed the wire diameter (index at most 1); widen the coil",
     )
     _refuse_jumps(spring, coil)
-    gap = spring.coil_gap(coil)
     _refuse(
-        gap < -OVERLAP_SLACK * spring.wire_diameter.value(coil),
+        spring.coil_gap(coil) < -OVERLAP_SLACK * spring.wire_diameter.value(coil),
         coil,
         spring,
         "coil overlaps the one below it in the free state; raise the pitch or thin the wire",
     )
+
+
+def _check_curve(spring: SpringDefinition, key: str, label: str, coil: Array) -> None:
+    """Refuse a diameter or pitch that no wire has at one of the coil numbers ``coil``, or none past the tips."""
+    law: Curve = getattr(spring, key)
+    values = law.value(coil)
+    if key == "pitch":
+        faults = {
+            "is not a finite number": ~np.isfinite(values),
+            "is negative, so the wire runs back through itself; make it positive": values < 0,
+        }
+    else:
+        faults = {
+            "is not positive; give a positive length": ~(values > 0),
+            "is less than a micrometre, which no wire is; check its unit": values < MIN_LENGTH,
+        }
+    for fault, bad in faults.items():
+        _refuse(bad, coil, spring, f"{label} {fault}")
+    beyond = np.linspace(-BEYOND_TIPS, spring.total_coils + BEYOND_TIPS, len(coil))
+    _refuse(
+        ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond))),
+        beyond,
+        spring,
+        f"{label} is not a finite number with a slope; let its curve continue {BEYOND_TIPS:g} turns past both tips, "
+        "such as by np.clip of the coil number",
+    )
+    # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the shape
+    if (largest := float(np.max(values))) >= 0.2:
+        si(largest, key, f"{key} of spring '{spring.name}'")
 
 
 def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wire: float) -> None:
@@ -229,7 +221,7 @@ class SpringDefinition:
                 raise InputError(
                     f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground') or another kind"
                 )
-        for key in ("wire_diameter", "mean_diameter", "pitch"):
+        for key in _LABELS:
             if not isinstance(law := getattr(self, key), Curve):
                 object.__setattr__(
                     self, key, Constant(si(law, key, f"{key} of spring '{self.name}'"))
