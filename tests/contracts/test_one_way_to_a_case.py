@@ -20,8 +20,8 @@ import pytest
 import valvetrain as vt
 from valvetrain.explore.case_paths import MOVING, nominal, unit_in_case, vary
 from valvetrain.explore.space import Values, Varied
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import library_names, parse_case
+from valvetrain.parameters.overrides import split_notes
 from valvetrain.parameters.templates import KINDS, TITLES, template_text
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.quantities.request import LIGHT

@@ -13,8 +13,8 @@ import tomllib
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.parameters.overrides import split_notes
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.workbench.edits import read_change
 from valvetrain.workbench.form import CaseForm

@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, library_names, parse_case
-from valvetrain.parameters.overrides import REMOVED
+from valvetrain.parameters.overrides import REMOVED, split_notes
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.runs.api import simulate
 from valvetrain.workbench.edits import with_law, with_table, with_value

@@ -7,21 +7,6 @@ from __future__ import annotations
 MIN_ACTIVE, MAX_INACTIVE = 2.0, 1.6
 
 
-def doubtful_pair(rates: tuple[float, float], turns: tuple[float, float]) -> str:
-    """Why ``rates`` (N/m) and active ``turns`` of outer and inner are hardly those of a dual spring; empty where
-    the outer one is the stiffer, as those of catalogues are.
-
-    >>> doubtful_pair((38e3, 27e3), (4.2, 2.8))
-    ''
-    """
-    if rates[1] <= rates[0]:
-        return ""
-    return (
-        f"the inner spring would be the stiffer one ({rates[1] / 1e3:.3g} against {rates[0] / 1e3:.3g} N/mm, {turns[1]:.3g} active turns); those of "
-        "catalogues are the softer: measure both wires, and count the turns of both"
-    )
-
-
 def doubtful_turns(
     active: float, wire_diameter: float, solid_height: float | None, total_coils: float | None
 ) -> str:

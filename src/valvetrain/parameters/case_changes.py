@@ -12,9 +12,9 @@ from functools import lru_cache
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import case_of_tree, parse_toml
+from valvetrain.parameters.overrides import split_notes
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,10 @@ from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case, CaseSummary, PublishedValue
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.overrides import with_values
+from valvetrain.parameters.overrides import split_notes, with_values
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import MAX_NAME_LENGTH, first_problem
 from valvetrain.parameters.templates import template_kind, template_text
@@ -168,7 +167,7 @@ def case_of_tree(
         if published is not None:
             bare.pop("published", None)
         with believed():  # the tables have doubted what was written
-            model = CaseModel.model_validate(bare)
+            model = CaseModel.model_validate(bare, context={"name": name})
             case = model.build(name, folder, notes, text, tuple(changes or ()))
             if published is not None:
                 case = replace(case, published=published)

@@ -4,17 +4,17 @@ together.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any
 
-from pydantic import PlainValidator
+from pydantic import AfterValidator, PlainValidator, ValidationInfo
 
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.schema_installed import CardBlock, WireBlock
 from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
-from valvetrain.parameters.schema_types import placed, problem, validate_as
+from valvetrain.parameters.schema_types import Name, placed, problem, validate_as
 
 #: Keys that a card alone has, and a wire alone; a wire_diameter shows neither, for a card may have
 #: one for its mass.
@@ -29,80 +29,64 @@ _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 INTERFERENCE = 1.03
 
 
-@dataclass(frozen=True)
-class SpringBlocks:
-    """The validated blocks of one place in the file; ``listed`` where they form a list."""
+def springs_of(raw: Any, name: str, group: str = "") -> tuple[InstalledSpring, ...]:
+    """The springs of one place in the file: one, or a list of one or two, outer first; installed springs
+    as they are.
 
-    blocks: tuple[WireBlock | CardBlock, ...]
-    listed: bool
-
-    def build(self, name: str, group: str = "") -> tuple[InstalledSpring, ...]:
-        """The installed springs; ``name`` for those without one of their own, ``group`` the set that
-        warnings name. Raises a located problem.
-        """
-        if not self.listed:
-            return (self.blocks[0].installed(name, group),)
-        names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
-        self._refuse_too_wide()
-        springs = tuple(
-            placed(place, block.installed, names[place], group)
-            for place, block in enumerate(self.blocks)
-        )
-        if len({spring.name for spring in springs}) < len(springs):
-            raise problem(
-                f"both springs are named '{springs[0].name}'; give each a name of its own",
-                (1, "name"),
-            )
-        return springs
-
-    def _refuse_too_wide(self) -> None:
-        """Refuse an inner card whose coils are wider than the outer one's are inside; the
-        interference of damped pairs passes.
-        """
-        sizes = []
-        for block in self.blocks:
-            wire = block.wire_diameter if isinstance(block, CardBlock) else None
-            if not isinstance(block, CardBlock) or wire is None:
-                return
-            mean, outer = block.mean_diameter, block.outer_diameter
-            if outer is None and mean is None:
-                return
-            sizes.append((outer if outer is not None else (mean or 0.0) + wire, wire))
-        inside = sizes[0][0] - 2 * sizes[0][1]
-        if len(sizes) == 2 and inside > 0 and sizes[1][0] > INTERFERENCE * inside:
-            raise problem(
-                f"the inner spring is {sizes[1][0] * 1e3:.4g} mm wide and does not fit into the outer one, which is {inside * 1e3:.4g} mm wide "
-                "inside; check diameters and wires, and that the outer spring comes first",
-                (1, "outer_diameter"),
-            )
-
-
-def _read_blocks(raw: Any) -> SpringBlocks | tuple[InstalledSpring, ...]:
-    """One spring, or a list of one or two (outer first); installed springs as they are."""
+    ``name`` is for a spring without one of its own, ``group`` the set that warnings name. Raises a
+    located problem.
+    """
     if isinstance(raw, tuple) and all(isinstance(entry, InstalledSpring) for entry in raw):
         return raw
     entries = raw if isinstance(raw, list) else [raw]
     if not 1 <= len(entries) <= 2:
         raise problem("there are one or two springs, outer first")
-    listed = isinstance(raw, list)
+    paths = [(place,) if isinstance(raw, list) else () for place in range(len(entries))]
+    blocks: tuple[WireBlock | CardBlock, ...]
     if any(isinstance(entry, dict) and "loads_of" in entry for entry in entries):
         if len(entries) < 2:
             raise problem(
                 "loads_of = 'pair' is said of two springs; add the inner one",
-                (*((0,) if listed else ()), "loads_of"),
+                (*paths[0], "loads_of"),
             )
-        return SpringBlocks(read_pair(entries), listed)
-    return SpringBlocks(
-        tuple(
-            _read_block(
-                entry,
-                (place,) if listed else (),
-                ("outer ", "inner ")[place] if len(entries) == 2 else "",
-            )
-            for place, entry in enumerate(entries)
-        ),
-        listed,
+        blocks = read_pair(entries)
+    else:
+        which = ("outer ", "inner ") if len(entries) == 2 else ("",)
+        blocks = tuple(map(_read_block, entries, paths, which))
+    _refuse_too_wide(blocks)
+    names = ("outer", "inner") if len(blocks) == 2 else (name,)
+    springs = tuple(
+        placed(path, block.installed, called, group)
+        for path, block, called in zip(paths, blocks, names, strict=True)
     )
+    if len({spring.name for spring in springs}) < len(springs):
+        raise problem(
+            f"both springs are named '{springs[0].name}'; give each a name of its own",
+            (1, "name"),
+        )
+    return springs
+
+
+def _refuse_too_wide(blocks: Sequence[WireBlock | CardBlock]) -> None:
+    """Refuse an inner card whose coils are wider than the outer one's are inside; the interference of
+    damped pairs passes.
+    """
+    sizes = []
+    for block in blocks:
+        wire = block.wire_diameter if isinstance(block, CardBlock) else None
+        if not isinstance(block, CardBlock) or wire is None:
+            return
+        mean, outer = block.mean_diameter, block.outer_diameter
+        if outer is None and mean is None:
+            return
+        sizes.append((outer if outer is not None else (mean or 0.0) + wire, wire))
+    inside = sizes[0][0] - 2 * sizes[0][1]
+    if len(sizes) == 2 and inside > 0 and sizes[1][0] > INTERFERENCE * inside:
+        raise problem(
+            f"the inner spring is {sizes[1][0] * 1e3:.4g} mm wide and does not fit into the outer one, which is {inside * 1e3:.4g} mm wide "
+            "inside; check diameters and wires, and that the outer spring comes first",
+            (1, "outer_diameter"),
+        )
 
 
 def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | CardBlock:
@@ -152,5 +136,20 @@ def is_card(entry: Mapping[str, Any]) -> bool:
     )
 
 
-#: Reads the springs of one place in the file.
-READ_SPRINGS = PlainValidator(_read_blocks)
+def _of_case(raw: Any, info: ValidationInfo) -> tuple[InstalledSpring, ...]:
+    name = info.data.get("name") or (info.context or {}).get("name", "spring")
+    return springs_of(raw, name)
+
+
+def _of_train(sets: Mapping[str, Any]) -> FrozenMapping:
+    return FrozenMapping(
+        {name: placed(name, springs_of, raw, "spring", name) for name, raw in sets.items()}
+    )
+
+
+#: The springs of a case, called by its name; and those of a train, sets by their names.
+CaseSprings = Annotated[tuple[InstalledSpring, ...], PlainValidator(_of_case)]
+SpringSets = Annotated[
+    Mapping[Name, Annotated[tuple[InstalledSpring, ...], PlainValidator(lambda raw: raw)]],
+    AfterValidator(_of_train),
+]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import threading
 from collections import OrderedDict
 from pathlib import Path
@@ -17,7 +18,7 @@ from valvetrain.parameters.case import Case, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_blocks import READ_SPRINGS, SpringBlocks
+from valvetrain.parameters.schema_blocks import CaseSprings
 from valvetrain.parameters.schema_lift import LiftField, LiftModel
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
@@ -37,6 +38,9 @@ from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role
 from valvetrain.units import PlainNumber, dimension_of, parse_quantity
 
+#: Number before the unit of a value.
+_NUMBER = re.compile(r"[-+.\d]+\s*(?:[eE][-+]?\d+)?")
+
 
 class ValueModel(StrictModel):
     """One number, with how firmly it is stated, how near a computed one should be, and what it was
@@ -52,29 +56,22 @@ class ValueModel(StrictModel):
     doubt: Prose = ""
     reading: Prose = ""
 
-    def read(self, quantity: str) -> tuple[float, str, float | None]:
-        """SI value, the unit it was written in and the SI tolerance (given in percent or in the
-        same dimension).
+    def read(self, quantity: str) -> dict[str, Any]:
+        """SI ``value``, the ``unit`` it was written in and the SI ``tolerance``, which is given in per cent or
+        in the same dimension, of the ``quantity``.
         """
         dimension = definition_of(quantity).dimension or None
         value = guarded(parse_quantity, self.value, dimension, path=("value",))
-        unit = str(self.value).strip().lstrip("+-0123456789.").strip()
-        if unit[:1] in "eE" and unit[1:2] in tuple("+-0123456789"):
-            unit = unit[1:].lstrip("+-0123456789").strip()
-        if self.tolerance is None:
-            return value, unit, None
-        if isinstance(self.tolerance, str) and self.tolerance.strip().endswith("%"):
-            return (
-                value,
-                unit,
-                abs(value) * guarded(parse_quantity, self.tolerance, "ratio", path=("tolerance",)),
-            )
-        tolerance = guarded(
-            parse_quantity, self.tolerance, dimension or dimension_of(unit), path=("tolerance",)
-        )
-        if tolerance < 0:
-            raise problem("a tolerance is zero or more", ("tolerance",))
-        return value, unit, tolerance
+        unit, tolerance = _NUMBER.sub("", str(self.value).strip(), count=1).strip(), self.tolerance
+        if isinstance(tolerance, str) and tolerance.strip().endswith("%"):
+            share = guarded(parse_quantity, tolerance, "ratio", path=("tolerance",))
+            tolerance = abs(value) * share
+        elif tolerance is not None:
+            due = dimension or dimension_of(unit)
+            tolerance = guarded(parse_quantity, tolerance, due, path=("tolerance",))
+            if tolerance < 0:
+                raise problem("a tolerance is zero or more", ("tolerance",))
+        return {"quantity": quantity, "value": value, "unit": unit, "tolerance": tolerance}
 
 
 def _read_value(raw: Any) -> ValueModel:
@@ -93,28 +90,18 @@ class PublishedModel(StrictModel):
     quantities: dict[str, Annotated[ValueModel, PlainValidator(_read_value)]]
 
     def build(self) -> tuple[PublishedValue, ...]:
-        """The flat list of values; raises a located problem."""
-        values = []
-        for name, entry in self.quantities.items():
-            value, unit, tolerance = placed(("quantities", name), entry.read, name)
-            values.append(
-                PublishedValue(
-                    quantity=name,
-                    value=value,
-                    unit=unit,
-                    origin=entry.origin or self.origin,
-                    role=entry.role or self.role,
-                    engine_speed=self.engine_speed,
-                    model=self.model,
-                    source=self.source,
-                    tolerance=tolerance,
-                    relation=entry.relation,
-                    used_for=entry.used_for,
-                    doubt=entry.doubt,
-                    reading=entry.reading or self.reading,
-                )
+        """The flat list of values, each with what is said of the group where it says nothing itself; raises a
+        located problem.
+        """
+        shared = self.model_dump(exclude={"quantities"})
+        return tuple(
+            PublishedValue(
+                **shared
+                | entry.model_dump(exclude_defaults=True, exclude={"value"})
+                | placed(("quantities", name), entry.read, name)
             )
-        return tuple(values)
+            for name, entry in self.quantities.items()
+        )
 
 
 #: Size of the cache of lift laws read from files.
@@ -178,7 +165,7 @@ class CaseModel(StrictModel):
     study: str = ""
     sources: list[Line] = Field(default_factory=list)
     remarks: list[Prose] = Field(default_factory=list)
-    spring: Annotated[SpringBlocks, READ_SPRINGS] | None = None
+    spring: CaseSprings = ()
     rubbing: Rubbing = Rubbing()
     lift_law: LiftField | None = None
     operation: Operation = Operation()
@@ -257,11 +244,11 @@ class CaseModel(StrictModel):
         """The case; ``folder`` is where relative file names start. Raises a located problem for
         tables that contradict each other.
         """
-        if self.spring is None and self.lift_law is None and self.train is None:
+        if not self.spring and self.lift_law is None and self.train is None:
             raise problem(
                 "the case is empty; it needs at least one of [spring], [lift_law] and [train]"
             )
-        if self.spring is not None and self.train is not None:
+        if self.spring and self.train is not None:
             raise problem(
                 "a train carries its springs in [train.springs], so this one would stay unused; move it there",
                 ("spring",),
@@ -271,9 +258,7 @@ class CaseModel(StrictModel):
             raise problem(
                 f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",)
             )
-        name = self.name or name
-        springs = placed("spring", self.spring.build, name) if self.spring else ()
-        refused = point_problem(self.study, self.points, springs)
+        refused = point_problem(self.study, self.points, self.spring)
         if refused is not None:
             raise problem(refused[1], ("points", *filter(None, refused[:1])))
         law = self._law()
@@ -281,10 +266,10 @@ class CaseModel(StrictModel):
             placed(("published", index), group.build) for index, group in enumerate(self.published)
         )
         return Case(
-            name=name,
+            name=self.name or name,
             title=self.title,
             description=self.description,
-            springs=springs,
+            springs=self.spring,
             rubbing=self.rubbing,
             lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
             operation=self.operation,

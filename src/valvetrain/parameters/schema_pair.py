@@ -9,7 +9,6 @@ from typing import Any, Literal
 from pydantic import Field, PrivateAttr
 
 from valvetrain.errors import UnusualValueWarning
-from valvetrain.parameters.card_doubts import doubtful_pair
 from valvetrain.parameters.dual_spring import Half, part
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_installed import CardBlock
@@ -58,28 +57,23 @@ class PairedCard(CardBlock):
 
     def half(self, height: float) -> Half:
         """What the parting needs to know of it; ``height``: installed, where it has none of its own."""
-        for key in ("mass", "preload_height"):
-            if getattr(self, key) is not None:
-                if key == "mass":
-                    raise problem("the mass follows from both wires; change total_coils or wire_diameter, and leave mass out", (key,))  # fmt: skip
-                raise problem(
-                    f"loads of a pair are those at installed_height; leave {key} out", (key,)
-                )
+        if self.mass is not None:
+            raise problem(
+                "the mass follows from both wires; change total_coils or wire_diameter, and leave mass out",
+                ("mass",),
+            )
+        if self.preload_height is not None:
+            raise problem(
+                "loads of a pair are those at installed_height; leave preload_height out",
+                ("preload_height",),
+            )
         if self.wire_diameter is None:
             raise problem(
                 "total loads are parted by both wires; give wire_diameter", ("wire_diameter",)
             )
-        if (self.mean_diameter is None) == (self.outer_diameter is None):
-            raise problem("give mean_diameter or outer_diameter, one of them", ("mean_diameter",))
-        mean = self.mean_diameter or (self.outer_diameter or 0.0) - self.wire_diameter
-        if mean <= 2 * self.wire_diameter:
-            raise problem(
-                "the coils are too narrow for this wire (index below 2); check diameters and units",
-                ("wire_diameter",),
-            )
         return Half(
             self.wire_diameter,
-            mean,
+            self.mean_of(self.wire_diameter, "give mean_diameter or outer_diameter, one of them"),
             (self.material or DEFAULT_MATERIAL).shear_modulus,
             self.installed_height or height,
             self._turns(self.wire_diameter),
@@ -129,3 +123,18 @@ def read_pair(entries: list[Any]) -> tuple[PairedCard, PairedCard]:
     if doubt := doubtful_pair(found.rates, found.active_coils):
         warnings.warn(f"dual spring: {doubt}", UnusualValueWarning, stacklevel=2)
     return parted[0], parted[1]
+
+
+def doubtful_pair(rates: tuple[float, float], turns: tuple[float, float]) -> str:
+    """Why ``rates`` (N/m) and active ``turns`` of outer and inner are hardly those of a dual spring; empty where
+    the outer one is the stiffer, as those of catalogues are.
+
+    >>> doubtful_pair((38e3, 27e3), (4.2, 2.8))
+    ''
+    """
+    if rates[1] <= rates[0]:
+        return ""
+    return (
+        f"the inner spring would be the stiffer one ({rates[1] / 1e3:.3g} against {rates[0] / 1e3:.3g} N/mm, {turns[1]:.3g} active turns); those of "
+        "catalogues are the softer: measure both wires, and count the turns of both"
+    )

@@ -321,6 +321,21 @@ class SpringCardModel(StrictModel):
             )
         return self.preload / (self.free_length - preload_height)
 
+    def mean_of(self, wire: float, needed: str) -> float:
+        """Mean coil diameter (m) of a ``wire`` (m); refuses two diameters or none, by the sentence ``needed``,
+        and coils that are too narrow.
+        """
+        mean, outer = self.mean_diameter, self.outer_diameter
+        if (mean is None) == (outer is None):
+            raise problem(needed, ("mean_diameter",))
+        mean = mean if mean is not None else (outer or 0.0) - wire
+        if mean <= 2 * wire:
+            raise problem(
+                "the coils are too narrow for this wire (index below 2); check diameters and units",
+                ("wire_diameter",),
+            )
+        return mean
+
     def _mass(self, rate: float, label: str) -> float | None:
         """Mass (kg) that vibrates: as specified, or of the active turns, rho pi^2 d^2 D n / 4; None
         where neither is specified. ``label``: the spring's, for a warning.
@@ -334,19 +349,8 @@ class SpringCardModel(StrictModel):
                     ("wire_diameter",),
                 )
             return self.mass
-        wire, mean = self.wire_diameter, self.mean_diameter
-        if (mean is None) == (self.outer_diameter is None):
-            raise problem(
-                "the mass from wire and coils needs mean_diameter or outer_diameter; give one of them",
-                ("mean_diameter",),
-            )
-        mean = mean if mean is not None else (self.outer_diameter or 0.0) - wire
-        if mean <= 2 * wire:
-            raise problem(
-                "the coils are too narrow for this wire (index below 2); check diameters and units",
-                ("wire_diameter",),
-            )
-        material = self.material or DEFAULT_MATERIAL
+        wire, material = self.wire_diameter, self.material or DEFAULT_MATERIAL
+        mean = self.mean_of(wire, "the mass from wire and coils needs mean_diameter or outer_diameter; give one of them")  # fmt: skip
         by_rate = material.shear_modulus * wire**4 / (8 * mean**3 * rate)
         if by_rate < MIN_TURNS:
             raise problem(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.schema_blocks import READ_SPRINGS, SpringBlocks
+from valvetrain.parameters.schema_blocks import SpringSets
 from valvetrain.parameters.schema_contact import ContactParameters, ContactsField
 from valvetrain.parameters.schema_types import (
     Lash,
@@ -38,7 +38,6 @@ from valvetrain.parameters.train_parts import (
 )
 from valvetrain.registry import names as registered_names
 
-SpringSet = Annotated[tuple[InstalledSpring, ...], READ_SPRINGS]
 Gravity = Annotated[tuple[float, ...], quantities("acceleration")]
 
 
@@ -95,7 +94,7 @@ class TrainParameters(Table):
     follower: FollowerParameters = FollowerParameters()
     valve: ValveParameters = Field(kw_only=True)
     contacts: ContactsField = Field(kw_only=True)
-    springs: Mapping[Name, SpringSet] = Field(default=FrozenMapping())
+    springs: SpringSets = FrozenMapping()
     spring_set: Name = Field(default="", description="set in use; without it the first")
     spring_model: str = Field(
         default="",
@@ -144,15 +143,8 @@ class TrainParameters(Table):
             raise problem(
                 f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}"
             )
-        blocks: Mapping[str, Any] = self.springs  # until they have their names, those of a file
-        sets: dict[str, tuple[InstalledSpring, ...]] = {
-            name: placed(("springs", name), one.build, "spring", name)
-            if isinstance(one, SpringBlocks)
-            else one
-            for name, one in blocks.items()
-        }
+        sets = self.springs
         contacts = placed("contacts", with_steel, self.contacts, self.kind, self.cam)
-        object.__setattr__(self, "springs", FrozenMapping(sets))
         object.__setattr__(self, "contacts", FrozenMapping(contacts))
         if any(
             "time_step" in one.options_of("finite-element")

@@ -11,10 +11,10 @@ from typing import Any, get_origin
 from pydantic.fields import FieldInfo
 
 from valvetrain import registry
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import parse_toml
-from valvetrain.parameters.schema_blocks import SpringBlocks, is_card
+from valvetrain.parameters.overrides import split_notes
+from valvetrain.parameters.schema_blocks import is_card
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_contact import STEEL, ContactParameters, ContactTable
 from valvetrain.parameters.schema_curves import FormulaForm, HeightForm, KnotsForm
@@ -31,8 +31,8 @@ from valvetrain.workbench.starts import STARTS
 Model = type[StrictModel | Table]
 #: Keys of a case that a form leaves to its text.
 LEFT = ("published", "points", "name", "sources", "remarks", "study")
-#: Tables that a form has as one value, and types of springs.
-VALUES, SPRINGS = (EndCoil, FormulaForm, HeightForm, KnotsForm), (SpringBlocks, InstalledSpring)
+#: Tables that a form has as one value.
+VALUES = (EndCoil, FormulaForm, HeightForm, KnotsForm)
 #: Table that another one of the registry reads -> key whose word names that one, its kind there, and the
 #: table for any other word.
 NAMED: dict[Any, tuple[str, str, Model]] = {
@@ -138,14 +138,14 @@ class CaseForm:
             return
         rows = raw if isinstance(raw, list) else [raw]
         for place, row in enumerate(rows):
-            which = ("outer", "inner")[place] if kind in SPRINGS else place + 1
+            which = ("outer", "inner")[place] if kind is InstalledSpring else place + 1
             self._add(
                 f"{key}.{place}" if isinstance(raw, list) else key,
                 f"{title}, {which}" if len(rows) > 1 else title,
                 _model_of(kind, row if isinstance(row, Mapping) else {}),
                 row,
             )
-        if kind in SPRINGS and len(rows) == 1:
+        if kind is InstalledSpring and len(rows) == 1:
             self._offer(f"{key}.1", f"Second {title.lower()}", "a spring inside the first")
 
     def _add_options(self, key: str, whose: str, by_card: bool, given: Mapping[str, Any]) -> None:
@@ -184,7 +184,7 @@ class CaseForm:
 def _table_in(info: FieldInfo) -> Any:
     """The type of the table that a field holds, one or several; None for a value."""
     for part in parts_of(info.annotation):
-        if part in (*SPRINGS, ContactParameters):
+        if part in (InstalledSpring, ContactParameters):
             return part
         if isinstance(part, type) and issubclass(part, (StrictModel, Table)) and part not in VALUES:
             return part
@@ -198,7 +198,7 @@ def _is_mapping(info: FieldInfo) -> bool:
 
 def _model_of(kind: Any, given: Mapping[str, Any]) -> Any:
     """The table that reads what is ``given``, of a spring and a law by what it says."""
-    if kind in SPRINGS:
+    if kind is InstalledSpring:
         return PairedCard if "loads_of" in given else CardBlock if is_card(given) else WireBlock
     key, group, model = NAMED.get(kind, ("", "", kind))
     if group and given.get(key) in registry.names(group):

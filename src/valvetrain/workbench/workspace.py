@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
@@ -31,6 +30,7 @@ from valvetrain.parameters.loading import (
     parse_toml,
     read_text,
 )
+from valvetrain.parameters.overrides import split_notes
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.system.build import build
