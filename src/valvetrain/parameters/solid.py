@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.parameters.curves import Array
-
-if TYPE_CHECKING:
-    from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.curves import Array, Curve
+from valvetrain.parameters.material import Material
 
 #: Pieces a turn of the splines, and places a turn at which coils may touch.
 PIECES, PLACES = 12, 24
@@ -20,7 +18,36 @@ PIECES, PLACES = 12, 24
 SAMPLES = 1001
 
 
-def closing_forces(spring: SpringDefinition, coil: ArrayLike) -> Array:
+class WireShape(Protocol):
+    """What the solid height of a spring needs; lengths in m over the coil number."""
+
+    @property
+    def total_coils(self) -> float: ...
+    @property
+    def free_coils(self) -> tuple[float, float]: ...
+    @property
+    def wire_diameter(self) -> Curve: ...
+    @property
+    def mean_diameter(self) -> Curve: ...
+    @property
+    def pitch(self) -> Curve: ...
+    @property
+    def material(self) -> Material: ...
+    @property
+    def free_length(self) -> float: ...
+    @property
+    def lower_seat_height(self) -> float: ...
+    @property
+    def upper_seat_height(self) -> float: ...
+
+    def axial_position(self, coil: ArrayLike) -> Array:
+        """Height z (m) of the wire axis above its lower tip."""
+
+    def solid_rise(self, coil: ArrayLike) -> Array:
+        """Rise per turn (m) where every coil touches the one below."""
+
+
+def closing_forces(spring: WireShape, coil: ArrayLike) -> Array:
     """Force (N) under which the wire at ``coil`` closes by torsion alone, (pitch - rise when closed) G d^4 / (8 D^3)."""
     wire, mean = spring.wire_diameter.value(coil), spring.mean_diameter.value(coil)
     travel = spring.pitch.value(coil) - spring.solid_rise(coil)
@@ -29,7 +56,7 @@ def closing_forces(spring: SpringDefinition, coil: ArrayLike) -> Array:
 
 
 @lru_cache(maxsize=64)
-def computed_solid_height(spring: SpringDefinition) -> float:
+def computed_solid_height(spring: WireShape) -> float:
     """The height (m) of a spring under the force that closes its last coil by torsion.
 
     Coils that touch bear part of this force, and end turns bonded to a seat keep their shape, so
@@ -140,7 +167,7 @@ def _splines(knots: Array, place: Array, derivative: int) -> Array:
     return values
 
 
-def _free_gaps(spring: SpringDefinition, upper: Array) -> tuple[Array, Array]:
+def _free_gaps(spring: WireShape, upper: Array) -> tuple[Array, Array]:
     """Gap (m) of the unloaded wire at coils ``upper`` to the wire one turn below, or to the seat where there is none;
     1 in the second array where ``upper`` stands for the retainer above the last turn.
     """
