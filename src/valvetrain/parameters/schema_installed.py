@@ -35,10 +35,6 @@ _CONTACT = CoilContact()
 #: Shorter compressions (m) come from rounding: the spring is installed at its free length.
 ROUNDING = 1e-9
 EndContact = Literal["lifting", "bonded"]
-END_CONTACT = Field(
-    default=None,
-    description="whether the ends lift off seat and retainer, or are bonded and pull; by default they lift, between clamps they are bonded",
-)
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
 
 
@@ -86,7 +82,36 @@ def _read_options(raw: Any) -> dict[str, StrictModel]:
 Options = Annotated[dict[str, StrictModel], PlainValidator(_read_options)]
 
 
-class WireBlock(SpringModel):
+class Installation(StrictModel):
+    """How any spring is installed, damped and computed."""
+
+    damping: DampingParameters = DampingParameters()
+    contact: CoilContactField = CoilContactModel()
+    end_contact: EndContact | None = Field(
+        default=None,
+        description="whether the ends lift off seat and retainer, or are bonded and pull; by default they lift, between clamps they are bonded",
+    )
+    options: Options = Field(default_factory=dict)
+
+    def assembled(self, **known: Any) -> InstalledSpring:
+        """The installed spring with ``known`` fields of its own."""
+        options = {
+            word: table.model_dump(exclude_unset=True) for word, table in self.options.items()
+        }
+        if self.end_contact == "lifting":
+            options["finite-element"] = {"lifting_ends": True, **options.get("finite-element", {})}
+        if (wrong := options_problem(options, "card" in known)) is not None:
+            raise problem(wrong[2], ("options", *wrong[:2]))
+        contact, tied = placed("contact", self.contact.build), self.end_contact == "bonded"
+        made: InstalledSpring = guarded(
+            lambda: InstalledSpring(
+                damping=self.damping, contact=contact, options=options, tied=tied, **known
+            )
+        )
+        return made
+
+
+class WireBlock(Installation, SpringModel):
     """A spring by its wire, as installed."""
 
     precompression: Length | None = Field(
@@ -97,16 +122,12 @@ class WireBlock(SpringModel):
     seats: Literal["planes", "clamps"] = Field(
         default="planes", description="flat seats, or nothing but the fixed inactive ends"
     )
-    damping: DampingParameters = DampingParameters()
-    contact: CoilContactField = CoilContactModel()
-    end_contact: EndContact | None = END_CONTACT
     retainer_rotation: Literal["fixed", "free"] = Field(
         default="fixed", description="whether the retainer may turn about the axis at rest"
     )
     guide: Guide | None = Field(
         default=None, description="bore or rod that keeps the spring straight"
     )
-    options: Options = Field(default_factory=dict)
 
     def installed(self, name: str, group: str = "") -> InstalledSpring:
         """The installed spring; refuses one that would be stretched or solid. ``group`` is not used."""
@@ -140,8 +161,7 @@ class WireBlock(SpringModel):
             )
         if self.guide is not None:
             placed("guide", self.guide.check_fit, wire)
-        return _assembled(
-            self,
+        return self.assembled(
             wire=wire,
             precompression=compression,
             seats=self.seats,
@@ -150,13 +170,8 @@ class WireBlock(SpringModel):
         )
 
 
-class CardBlock(SpringCardModel):
+class CardBlock(Installation, SpringCardModel):
     """A spring by its catalogue card."""
-
-    damping: DampingParameters = DampingParameters()
-    contact: CoilContactField = CoilContactModel()
-    end_contact: EndContact | None = END_CONTACT
-    options: Options = Field(default_factory=dict)
 
     def installed(self, name: str, group: str = "") -> InstalledSpring:
         """The installed spring of the card, called ``name`` where it has no name of its own; ``group``:
@@ -164,23 +179,4 @@ class CardBlock(SpringCardModel):
         """
         called = self.name if not name or "name" in self.model_fields_set else name
         card = self.build(f"'{called}'" + (f" of set '{group}'" if group else ""))
-        return _assembled(self, card=replace(card, name=called))
-
-
-def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
-    options = {word: table.model_dump(exclude_unset=True) for word, table in block.options.items()}
-    if block.end_contact == "lifting":
-        options["finite-element"] = {"lifting_ends": True, **options.get("finite-element", {})}
-    if (wrong := options_problem(options, "card" in known)) is not None:
-        raise problem(wrong[2], ("options", *wrong[:2]))
-    contact = placed("contact", block.contact.build)
-    built: InstalledSpring = guarded(
-        lambda: InstalledSpring(
-            damping=block.damping,
-            contact=contact,
-            options=options,
-            tied=block.end_contact == "bonded",
-            **known,
-        )
-    )
-    return built
+        return self.assembled(card=replace(card, name=called))
