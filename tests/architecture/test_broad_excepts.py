@@ -23,7 +23,7 @@ KNOWN = {
     "views/study_files.py:_section": "a gap on the page, with the reason",
     "views/results.py:sentence_of": "no sentence",
     "views/results.py:html_for_notebook": "no display",
-    "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
+    "runs/spring_runs.py:solve_at_rest": "no number, the failure of the study",
     "runs/critical_ranges.py:variants_of": "a member of the range with its refusal and no speed",
     "runs/facts.py:_chain_of_wire": "no fact: the run is refused with the reason",
     "runs/own_error_bars.py:_way": "no further run",

@@ -166,7 +166,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
         monkeypatch.setattr(evaluate, name, broken)
     places = (
         "views.results.page_of", "views.study_files.quantity_table", "views.study_files.remove_earlier", "views.json.study_json",
-        "views.terminal._rows", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run.case_facts",
+        "views.terminal._rows", "runs.run.next_to_published", "runs.spring_runs.rest_quantities", "runs.facts.case_facts",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)

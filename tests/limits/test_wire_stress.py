@@ -180,9 +180,6 @@ def test_peak_amplitude_and_mean_are_found_where_they_are() -> None:
         (installed,), (SpringAtRest(installed.name, "finite-element", 2e-3, stress=static),)
     )
     found = stress_quantities(reported_cycle(run), frame)
-    assert found == stress_quantities(
-        reported_cycle(run_with(-swing, coil)), frame
-    )  # channels and section loads alike
     assert (
         found["peak_shear_stress"] == pytest.approx(4.5 * base)
         and found["peak_shear_stress_coil_number"] == 4.0

@@ -32,7 +32,7 @@ from valvetrain.quantities.train_numbers import (
 )
 from valvetrain.quantities.valve_events import lost_durations, run_events
 from valvetrain.solution.channels import Variable
-from valvetrain.solution.definition import computed_rows
+from valvetrain.solution.definition import tables
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -67,8 +67,12 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     rigid = None
     if frame.rigid is not None and is_closed(solution):
         rigid = gaps.part("motion of rigid parts", None, rigid_cycle, solution, frame.rigid)
-    events = _events(solution, frame, rigid, gaps)
-    found = _whole_cycle(cycle, frame, events, gaps) if cycle is not None and cycle.whole else {}
+    # coils can touch but where no spring has a contact stiffness
+    meets = not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
+    events = _events(solution, frame, rigid, meets, gaps)
+    found = dict[str, float]()
+    if cycle is not None and cycle.whole:
+        found = _whole_cycle(cycle, frame, events, meets, gaps)
     found |= gaps.part("energy", {}, energy_quantities, solution, cycle)
     found |= gaps.part("counted numbers", {}, counted_quantities, solution)
     if rigid is not None:
@@ -79,9 +83,10 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
         if frame.permitted_seating_velocity is not None:
             found["permitted_seating_velocity"] = frame.permitted_seating_velocity
-    for row, compute in computed_rows():
-        if ("train" if is_closed(solution) else "spring") in row.systems:
-            value = gaps.part(row.label, None, compute, solution)
+    kind = "train" if is_closed(solution) else "spring"
+    for row in (one for rows in tables().values() for one in rows):
+        if row.compute is not None and kind in row.systems:
+            value = gaps.part(row.label, None, row.compute, solution)
             found |= {} if value is None else {row.name: float(value)}
     if rigid is not None:
         solution = gaps.part("channels of rigid parts", solution, _with_rigid, solution, frame)
@@ -95,17 +100,16 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     return done.with_found(events, found, gaps.sentences)
 
 
-def _meets(frame: Frame) -> bool:
-    """Whether coils can touch: false where no spring has a contact stiffness."""
-    return not frame.springs or any(spring.contact.stiffness > 0 for spring in frame.springs)
-
-
 def _events(
-    solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: PartialFailures
+    solution: Solution,
+    frame: Frame,
+    rigid: RigidCycle | None,
+    meets: bool,
+    gaps: PartialFailures,
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
     clashes = none
-    if _meets(frame):
+    if meets:
         find = partial(clash_events, surge_frequencies=frame.surge_frequencies)
         clashes = gaps.part("clashes", none, find, solution)
     other = tuple(
@@ -118,7 +122,7 @@ def _events(
 
 
 def _whole_cycle(
-    cycle: Cycle, frame: Frame, events: tuple[Event, ...], gaps: PartialFailures
+    cycle: Cycle, frame: Frame, events: tuple[Event, ...], meets: bool, gaps: PartialFailures
 ) -> dict[str, float]:
     solution = cycle.solution
     found = gaps.part("forces", {}, force_quantities, cycle) | gaps.part(
@@ -127,7 +131,7 @@ def _whole_cycle(
     found |= gaps.part("surge", {}, surge_quantities, cycle, frame) | gaps.part(
         "stress", {}, stress_quantities, cycle, frame
     )
-    if _meets(frame):
+    if meets:
         first = float(cycle.solution.cam_angle[cycle.samples.start])
         late = tuple(
             event for event in events if is_closed(solution) or event.cam_angle >= first - 1e-9

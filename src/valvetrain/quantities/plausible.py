@@ -5,13 +5,14 @@ run has diverged.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.errors import InputError
+from valvetrain.quantities.limits import ENDED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
@@ -122,6 +123,10 @@ FOUND = (
     _range("a shear stress", "peak_shear_stress open_nominal_shear_stress open_uncorrected_shear_stress", -1e10, 1e10, "GPa", 1e9,
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
+#: Channels of velocities, each of which counts by its largest value.
+MOVING = (
+    "retainer_velocity", "valve_velocity", "axial_velocity", "outer_axial_velocity", "inner_axial_velocity",
+)  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
     "requested": MOTION,
     "of parts": PARTS,
@@ -174,15 +179,20 @@ def refuse_implausible_parts(values: Mapping[str, float]) -> None:
                 raise InputError(f"{sentence}; {REMEDY}", place)
 
 
-def implausible(solution: Solution) -> str:
-    """The first implausible number of an evaluated run as a sentence without a remedy; empty where
-    all are plausible.
-    """
-    for name, value in _numbers(solution):
-        for limit in FOUND:
-            if limit.holds(name) and (label := limit.why_not(value)):
-                return label
-    return ""
+def plausible_run(solution: Solution) -> Solution:
+    """An evaluated run, as ``diverged`` where one of its numbers is implausible; all numbers stay."""
+    numbers = dict(solution.quantities)
+    for name in MOVING:
+        if solution.has(name) and solution.channel(name).size:
+            values = solution.channel(name)
+            numbers[name] = float(values.flat[int(np.argmax(np.abs(values)))])
+    limits = ((limit, name) for name in numbers for limit in FOUND if limit.holds(name))
+    reasons = (limit.why_not(numbers[name]) for limit, name in limits)
+    message = next(filter(None, reasons), "")
+    if not message or solution.status.code not in ENDED:
+        return solution
+    status = Status("diverged", message, float(solution.time[-1]), remedy=REMEDY)
+    return replace(solution, status=status)
 
 
 def plausible_rest(one: SpringAtRest) -> SpringAtRest:
@@ -221,18 +231,3 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
             if wrong:
                 return limit.why_not(float(values[wrong[0]])), float(places[wrong[0]])
     return None
-
-
-def _numbers(solution: Solution) -> Iterator[tuple[str, float]]:
-    yield from solution.quantities.items()
-    for name in (
-        "retainer_velocity",
-        "valve_velocity",
-        "axial_velocity",
-        "outer_axial_velocity",
-        "inner_axial_velocity",
-    ):
-        if solution.has(name):
-            values = np.asarray(solution.channel(name), dtype=float)
-            if values.size:
-                yield name, float(values.flat[int(np.argmax(np.abs(values)))])

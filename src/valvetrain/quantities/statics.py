@@ -46,11 +46,15 @@ def rest_quantities(rest: SpringAtRest, outputs: Iterable[str] = ()) -> dict[str
     if rest.installed is not None:
         shares = named(rest.installed, "installed_")
         found |= {name: shares[name] for name in POINT_NAMES if name in shares}
-    return (
-        found
-        if rest.modes is None
-        else found | modal_quantities(rest.modes) | natural_quantities(rest.modes, outputs)
-    )
+    if rest.modes is None:
+        return found
+    # only what a publication numbers in rising order, whatever the direction, is named so
+    every = {
+        f"natural_{number}_frequency": float(value)
+        for number, value in enumerate(rest.modes.natural_frequency, start=1)
+    }
+    natural = {name: every[name] for name in outputs if name in every}
+    return found | modal_quantities(rest.modes) | natural
 
 
 def static_quantities(curve: StaticCurve, precompression: float) -> dict[str, float]:
@@ -112,19 +116,6 @@ def modal_quantities(result: ModalResult) -> dict[str, float]:
         f"{name}_{number}_frequency": float(value)
         for number, value in enumerate(result.axial_frequencies, start=1)
     }
-
-
-def natural_quantities(result: ModalResult, outputs: Iterable[str]) -> dict[str, float]:
-    """Natural frequencies (Hz) in rising order, whatever their direction: those of the names
-    ``outputs``, ``natural_n_frequency``.
-
-    Only what a publication numbers so is named so; the axial ones have their own names.
-    """
-    every = {
-        f"natural_{number}_frequency": float(value)
-        for number, value in enumerate(result.natural_frequency, start=1)
-    }
-    return {name: every[name] for name in outputs if name in every}
 
 
 #: A spring is cylindrical, as the formula has it, where its mean diameter varies by no more than
@@ -250,11 +241,6 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
         | room
         | buckling
     )
-
-
-def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
-    """Force and stress of a wire with all coils closed; none for a card."""
-    return {} if spring.wire is None else solid_quantities(spring.wire)
 
 
 def size_quantities(spring: InstalledSpring) -> dict[str, float]:

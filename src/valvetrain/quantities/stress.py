@@ -4,13 +4,10 @@ section loads.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import PERMITTED_SHEAR, tensile_strength
-from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import largest_lift
 from valvetrain.quantities.statics import solid_quantities
@@ -28,33 +25,6 @@ from valvetrain.springs.stress import (
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
 #: What EN 13906-1 holds against the permitted shear.
 UNCORRECTED = "open_uncorrected_shear_stress"
-
-
-@dataclass(frozen=True, eq=False)
-class WireStress:
-    """Stress at the inner fibre over one cycle, arrays (wire point,) in Pa: extremes of the shear,
-    and the largest von Mises stress.
-    """
-
-    coil_number: Array
-    least_shear: Array
-    largest_shear: Array
-    largest_equivalent: Array
-
-    @property
-    def amplitude(self) -> Array:
-        """Half of largest less least shear."""
-        return (self.largest_shear - self.least_shear) / 2
-
-    @property
-    def mean(self) -> Array:
-        """Half of largest plus least shear."""
-        return (self.largest_shear + self.least_shear) / 2
-
-    @property
-    def worst(self) -> int:
-        """The wire point of the largest shear."""
-        return int(np.argmax(self.largest_shear))
 
 
 def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
@@ -101,7 +71,8 @@ def _nominal(cycle: Cycle, spring: InstalledSpring) -> dict[str, float]:
         return {}
     at = np.array([spring.precompression, spring.precompression + lift])
     closed, opened = static_curve(reduction_chain(spring.wire), at)[0].tolist()
-    factor, opened = nominal_stress_per_force(spring.wire), min(opened, solid_force(spring.wire))
+    factor = nominal_stress_per_force(spring.wire)
+    opened = min(opened, solid_quantities(spring.wire)["solid_force"])
     found = {
         "open_nominal_shear_stress": factor * opened,
         "closed_nominal_shear_stress": factor * closed,
@@ -123,35 +94,7 @@ def most_force_of_wire(spring: InstalledSpring) -> float:
     """
     if spring.wire is None or spring.contact.stiffness <= 0:
         return np.inf
-    return solid_force(spring.wire)
-
-
-def solid_force(wire: SpringDefinition) -> float:
-    """Force (N) that closes the last coil of a wire."""
-    return solid_quantities(wire)["solid_force"]
-
-
-def _traces(
-    cycle: Cycle, spring: str, wire: SpringDefinition | None
-) -> tuple[Array, Array, Array] | None:
-    """Coil numbers, shear and equivalent stress at the inner fibre (sample, wire point) of one
-    spring.
-    """
-    solution = cycle.solution
-    stresses, loads = (
-        [solution.channel_of(spring, name) for name in names]
-        for names in ((SHEAR, EQUIVALENT), LOADS)
-    )
-    if solution.has(*stresses):
-        shear, equivalent = (cycle.channel(name) for name in stresses)
-        return _coils(solution, stresses[0]), shear, equivalent
-    if wire is None or not solution.has(*loads):
-        return None
-    coil = _coils(solution, loads[0])
-    values = wire_stress(
-        {load: cycle.channel(name) for load, name in zip(LOADS, loads, strict=True)}, wire, coil
-    )
-    return coil, values[SHEAR], values[EQUIVALENT]
+    return solid_quantities(spring.wire)["solid_force"]
 
 
 def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
@@ -192,27 +135,29 @@ def _of_wire(cycle: Cycle, name: str, spring: InstalledSpring, frame: Frame) -> 
     """Peak, least, amplitude and mean along the wire, their places, and the ratio to the
     quasi-static peak (docs/quantities.md).
     """
-    traces = _traces(cycle, name, spring.wire)
-    if traces is None:
+    solution = cycle.solution
+    names = [solution.channel_of(name, one) for one in (SHEAR, EQUIVALENT)]
+    if not solution.has(*names):
         return {}
-    coil, shear, equivalent = traces
-    stress = WireStress(coil, shear.min(axis=0), shear.max(axis=0), equivalent.max(axis=0))
-    worst, most = stress.worst, int(np.argmax(stress.amplitude))
+    coil, (shear, equivalent) = _coils(solution, names[0]), map(cycle.channel, names)
+    least, largest = shear.min(axis=0), shear.max(axis=0)
+    amplitude, mean = (largest - least) / 2, (largest + least) / 2
+    worst, most = int(np.argmax(largest)), int(np.argmax(amplitude))
     found = {
-        "peak_shear_stress": float(stress.largest_shear[worst]),
+        "peak_shear_stress": float(largest[worst]),
         "peak_shear_stress_cam_angle": float(cycle.cam_angle[int(np.argmax(shear[:, worst]))]),
         "peak_shear_stress_coil_number": float(coil[worst]),
-        "minimum_shear_stress": float(stress.least_shear[worst]),
-        "peak_equivalent_stress": float(np.max(stress.largest_equivalent)),
-        "largest_amplitude_shear_stress": float(stress.amplitude[most]),
-        "largest_amplitude_mean_shear_stress": float(stress.mean[most]),
+        "minimum_shear_stress": float(least[worst]),
+        "peak_equivalent_stress": float(np.max(equivalent)),
+        "largest_amplitude_shear_stress": float(amplitude[most]),
+        "largest_amplitude_mean_shear_stress": float(mean[most]),
         "largest_amplitude_coil_number": float(coil[most]),
     }
     static = next(
         (one.stress for one in frame.rest if one.spring == spring.name and one.stress is not None),
         None,
     )
-    if static is not None and cycle.solution.has("valve_lift"):
+    if static is not None and solution.has("valve_lift"):
         slow = static.shear_at(spring.precompression + cycle.channel("valve_lift"))
         found["quasi_static_peak_shear_stress"] = float(np.max(slow))
         found["quasi_static_amplitude_shear_stress"] = float(np.max(np.ptp(slow, axis=0)) / 2)

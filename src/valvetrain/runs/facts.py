@@ -10,7 +10,9 @@ from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.quantities.clash import PULL
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
+from valvetrain.runs.between_speeds import between_facts
 from valvetrain.runs.prepared import FAILURES, largest_lift
+from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.facts import Fact, distinct
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail
@@ -111,7 +113,9 @@ def _buckling(problem: Problem, members: Sequence[Member]) -> Iterator[Fact]:
 
 
 def run_facts(runs: Iterable[Solution]) -> Iterator[Fact]:
-    """Facts of single runs: ends that would pull or lift, solids that follow a train."""
+    """Facts of single runs: ends that would pull or lift, solids that follow a train, and clash spikes of solids, whose
+    raw heights rest on mesh and contact constants.
+    """
     forces = ("minimum_spring_force", "minimum_retainer_force")
     for run in runs:
         name: Fields = {"label": run.label, "engine_speed": run.engine_speed}
@@ -124,6 +128,25 @@ def run_facts(runs: Iterable[Solution]) -> Iterator[Fact]:
                 "driver": driver, "repeats": run.statistics.get("motion_period_count") == 1.0,
                 "force_difference": run.quantities["driver_difference_force"],
             })  # fmt: skip
+        raw, below_5 = (
+            run.quantities.get(f"main_clash_{band}peak_force", 0.0) for band in ("", "below_5_khz_")
+        )
+        if run.model == "solid" and raw > SPIKE * below_5 > 0:
+            heights: Fields = {"raw_force": raw, "force_below_5_khz": below_5}
+            yield Fact("spike", {"engine_speed": run.engine_speed, **heights})
+
+
+def study_facts(
+    problem: Problem, solutions: Sequence[Solution], between: Sequence[Solution]
+) -> tuple[Fact, ...]:
+    """Facts of a study of a problem with its ``solutions``, and with the runs ``between`` the speeds of a sweep."""
+    by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
+    found = (
+        *case_facts(problem, problem.members), *between_facts(solutions, between), *run_facts(by_speed),
+    )  # fmt: skip
+    if load_uncertainty(problem.record):  # a published run is reported next to its measured peaks
+        return found
+    return (*found, *beyond_wire_facts(problem, solutions))
 
 
 def with_facts(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, ...]:
@@ -133,17 +156,6 @@ def with_facts(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solutio
         run.with_facts(facts) if (facts := (*case[run.label], *run_facts((run,)))) else run
         for run in solutions
     )
-
-
-def spike_facts(solutions: Iterable[Solution]) -> Iterator[Fact]:
-    """Clash spikes of solids, whose raw heights rest on mesh and contact constants."""
-    for run in solutions:
-        raw, below_5 = (
-            run.quantities.get(f"main_clash_{band}peak_force", 0.0) for band in ("", "below_5_khz_")
-        )
-        if run.model == "solid" and raw > SPIKE * below_5 > 0:
-            forces = {"raw_force": raw, "force_below_5_khz": below_5}
-            yield Fact("spike", {"engine_speed": run.engine_speed, **forces})
 
 
 def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterator[Fact]:

@@ -14,7 +14,6 @@ from valvetrain.integrate.train_channels import LONG_SEARCH
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
-from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import (
     DIVISIONS,
     ROUNDING,
@@ -112,7 +111,7 @@ def own_error_bars(
     problem: Problem,
     solutions: Sequence[Solution],
     plan: Plan,
-    at_rest: AtRest,
+    at_rest: Rest,
     workers: int,
     tell: Callable[[int, int], None] | None = None,
 ) -> ErrorBars:
@@ -122,7 +121,7 @@ def own_error_bars(
     solutions. Raises :class:`PointsStopped` when it is stopped.
     """
     runs = [run for run in solutions if run.status.completed and run.quantities]
-    numbers = further_numbers(problem, runs, plan, at_rest.springs, workers, tell)
+    numbers = further_numbers(problem, runs, plan, at_rest, workers, tell)
     rows = tuple(row for run in runs for row in _rows(problem, run, numbers.get(_key(run), ())))
     barred = {(row.label, row.engine_speed) for row in rows}
     missing = tuple(

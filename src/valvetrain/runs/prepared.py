@@ -18,8 +18,8 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
-from valvetrain.quantities.limits import ENDED, bound
-from valvetrain.quantities.plausible import REMEDY, implausible
+from valvetrain.quantities.limits import bound
+from valvetrain.quantities.plausible import plausible_run
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.cost import Limits, duration_text
@@ -301,14 +301,6 @@ def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status 
     return None
 
 
-def plausible(solution: Solution) -> Solution:
-    """The run, as ``diverged`` where one of its numbers is implausible; its numbers stay."""
-    if solution.status.code not in ENDED or not (message := implausible(solution)):
-        return solution
-    status = Status("diverged", message, float(solution.time[-1]), remedy=REMEDY)
-    return replace(solution, status=status)
-
-
 def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
     """The run with events and named quantities, without channels where the plan stores none."""
     frame = ready.frame
@@ -323,7 +315,7 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
         solution = failures.part("all numbers", solution, evaluate, solution, frame)
         solution = failures.part("coil bind", solution, bound, solution, ready.member.springs)
         if not plan.implausible:
-            solution = failures.part("plausible values", solution, plausible, solution)
+            solution = failures.part("plausible values", solution, plausible_run, solution)
         if failures.sentences:
             solution = replace(solution, gaps=(*solution.gaps, *failures.sentences))
     return solution if plan.whole else solution.reduced()

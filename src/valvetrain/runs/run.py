@@ -5,37 +5,25 @@ speed (:func:`sweep_study`).
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, Future
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from valvetrain.errors import RunFailedError
 from valvetrain.integrate.contract import Keep
-from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
-from valvetrain.runs.between_speeds import between_facts, run_between
+from valvetrain.runs.between_speeds import run_between
 from valvetrain.runs.critical_speeds import find_critical_speeds
-from valvetrain.runs.facts import (
-    beyond_wire_facts,
-    case_facts,
-    run_facts,
-    spike_facts,
-    with_facts,
-)
+from valvetrain.runs.facts import study_facts, with_facts
 from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
-    integrate_point,
-    prepare,
-    provenance_of,
-    unfinished,
-    with_quantities,
 )
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.requests import SpeedRequest, Sweep, Watch
-from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
+from valvetrain.runs.spring_runs import numbers_at_rest, run_springs
+from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.stored_error_bars import (
     load_uncertainty,
     spread_facts,
@@ -43,24 +31,15 @@ from valvetrain.runs.stored_error_bars import (
     with_blind,
 )
 from valvetrain.runs.train_runs import (
-    STOPPED,
-    WORKER_LOST,
-    Finished,
     preloads,
     prepare_trains,
     rigid_numbers,
     run_trains,
 )
 from valvetrain.runs.workers import (
-    CLUSTER,
-    Lost,
     Progress,
-    as_they_come,
-    return_memory,
-    threads,
 )
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
@@ -70,10 +49,8 @@ from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source, published_by
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
-from valvetrain.system.problem import Member, Problem
+from valvetrain.system.problem import Problem
 
-#: Engine speed (rad/s) below which the arrays of a run are large enough to be given back at once.
-SLOW = 125.0
 #: The model whose error bars ship with no case.
 SOLID = "solid"
 #: Time of the search for critical speeds, and of the further runs for error bars, over that of the runs themselves.
@@ -167,15 +144,18 @@ def run_problem(
     )
     count = request.worker_count
     searches = problem.kind == TRAIN and critical is not None
-    runs_done, search_done, bars_done = _phases(progress, searches, error_bars)
+    before_bars = 1.0 + SEARCH_SHARE * searches
+    whole_time = before_bars + BAR_SHARE * error_bars
+    tell: Progress = (
+        (lambda time, text: progress(time / whole_time, text)) if progress else (lambda *_: None)
+    )
     found, stopped = CriticalSpeeds(), False
-    at_rest: AtRest | None = None
     still: dict[str, dict[str, float]] = {}
     ready: tuple[PreparedRun, ...] = ()
     between: tuple[Solution, ...] = ()
     if problem.kind == TRAIN:
-        ready, springs = prepare_trains(problem, speeds, failures)
-        solutions, stopped = run_trains(problem, ready, speeds, plan, count, runs_done, finished)
+        ready, at_rest = prepare_trains(problem, speeds, failures)
+        solutions, stopped = run_trains(problem, ready, speeds, plan, count, tell, finished)
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
         for name, values in failures.part("preloads", {}, preloads, ready).items():
             still[name] = {**still.get(name, {}), **values}
@@ -190,10 +170,13 @@ def run_problem(
             one for one in ready if not one.member.driven
         )  # the train of others is that of these
         if critical is not None and not stopped and own:
-            search_done(0, 1)
+            tell(1.0, "critical speeds")
             runs = (*solutions, *between)
             try:
-                found = find_critical_speeds(problem, own, plan, runs, critical, count, search_done)
+                found = find_critical_speeds(
+                    problem, own, plan, runs, critical, count,
+                    lambda done, total: tell(1.0 + SEARCH_SHARE * done / total, "critical speeds"),
+                )  # fmt: skip
             except PointsStopped as stop:
                 rows = tuple(row for rows in stop.results.values() for row in rows)
                 found, stopped = CriticalSpeeds(rows), True
@@ -202,10 +185,16 @@ def run_problem(
         if stopped and critical is not None:
             failures.add(_unsearched(problem, found, searched))
     else:
-        solutions, at_rest, stopped = _run_springs(
-            problem, speeds, plan, count, runs_done, finished, rest or error_bars
+        solutions, at_rest, gaps, stopped = run_springs(
+            problem, speeds, plan, count, tell, finished, rest or error_bars
         )
-        springs = ()
+        for gap in gaps:
+            failures.add(gap)
+        names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
+        for name, spring in zip(names, problem.springs, strict=True):
+            if spring in at_rest:
+                part, state = f"numbers of spring '{spring.name}'", at_rest[spring]
+                still[name] = failures.part(part, {}, numbers_at_rest, problem, spring, state)
     solutions = failures.part("facts of runs", solutions, with_facts, problem, solutions)
     provenance = collect_provenance(
         problem.record.name,
@@ -214,29 +203,21 @@ def run_problem(
         created_at=created_at,
         citations=problem.record.citations,
     )
-
-    def facts() -> tuple[Fact, ...]:
-        by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
-        extra = between_facts(solutions, between) if between else ()
-        return (*extra, *run_facts(by_speed), *spike_facts(solutions))
-
     study = Study(
         problem.record,
         command,
         solutions,
-        springs,
+        tuple(at_rest.values()),
         still,
-        facts=failures.part("facts", (), facts),
+        facts=failures.part("facts", (), study_facts, problem, solutions, between),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
         critical_speeds=found,
         between=between,
     )
-    if at_rest is None:
-        study = _completed(study, problem, failures)
-    else:
-        study = _with_rest(study, problem, at_rest)
+    study = failures.part("published values", study, next_to_published, study, problem)
+    study = replace(study, gaps=failures.sentences)
     if stopped:
         raise StudyStopped(study)
     stored = stored_rows(problem.record, solutions)
@@ -250,76 +231,15 @@ def run_problem(
         return study
     labels = {run.label for run in barred}
     members = problem.only(lambda member: member.label in labels)
-    known = at_rest or _rest_of_trains(ready)
+    barred_problem = replace(problem, members=members)
     try:
         fresh = own_error_bars(
-            replace(problem, members=members), barred, plan, known, count, bars_done
-        )
+            barred_problem, barred, plan, at_rest, count,
+            lambda done, total: tell(before_bars + BAR_SHARE * done / total, "error bars"),
+        )  # fmt: skip
     except PointsStopped:
         raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
     return replace(study, error_bars=fresh._replace(rows=(*rows, *fresh.rows)))
-
-
-def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
-    """The springs at rest that the models of trains needed."""
-    pairs = (zip(one.member.springs, one.frame.rest, strict=False) for one in ready)
-    return AtRest({spring: rest for pair in pairs for spring, rest in pair})
-
-
-def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
-    """The study with its notes, what is published, and a sentence per part that failed."""
-    facts = failures.part("facts", (), case_facts, problem, problem.members) + study.facts
-    if not load_uncertainty(
-        problem.record
-    ):  # a published run is reported next to its measured peaks
-        none: tuple[Fact, ...] = ()
-        facts += failures.part(
-            "facts", none, lambda: tuple(beyond_wire_facts(problem, study.solutions))
-        )
-    study = replace(study, facts=facts)
-    study = failures.part("published values", study, next_to_published, study, problem)
-    return replace(study, gaps=failures.sentences)
-
-
-def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
-    """The study of springs under prescribed motion with what belongs to them at rest."""
-    failures, found = PartialFailures(at_rest.gaps), at_rest.springs
-    names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-    still: dict[str, dict[str, float]] = {
-        name: failures.part(
-            f"numbers of spring '{spring.name}'",
-            {},
-            numbers_at_rest,
-            problem,
-            spring,
-            found[spring],
-        )
-        for name, spring in zip(names, problem.springs, strict=True)
-        if spring in found
-    }
-    return _completed(replace(study, rest=tuple(found.values()), still=still), problem, failures)
-
-
-def _phases(
-    progress: Progress | None, searches: bool, error_bars: bool
-) -> tuple[Progress, Callable[[int, int], None], Callable[[int, int], None]]:
-    """Progress of the runs of a request, of the search for critical speeds after them, and of the error bars at the end."""
-    searched = 1.0 + SEARCH_SHARE * searches
-    whole = searched + BAR_SHARE * error_bars
-
-    def runs_done(done: float, text: str) -> None:
-        if progress is not None:
-            progress(done / whole, text)
-
-    def search_done(count: int, total: int) -> None:
-        if progress is not None:
-            progress((1.0 + SEARCH_SHARE * count / total) / whole, "critical speeds")
-
-    def bars_done(count: int, total: int) -> None:
-        if progress is not None:
-            progress((searched + BAR_SHARE * count / total) / whole, "error bars")
-
-    return runs_done, search_done, bars_done
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:
@@ -355,96 +275,3 @@ def next_to_published(study: Study, problem: Problem) -> Study:
         facts = compared.facts + spread_facts(record, ran, found)
         compared = replace(compared, facts=facts)
     return replace(compared, comparisons=rows, notes=notes)
-
-
-def _run_springs(
-    problem: Problem,
-    speeds: tuple[float, ...],
-    plan: Plan,
-    workers: int,
-    progress: Progress | None,
-    finished: Finished | None,
-    rest: bool,
-) -> tuple[tuple[Solution, ...], AtRest, bool]:
-    """Prescribed motion, over threads; the springs at rest during the first runs, without ``rest`` those
-    alone that a model needs. Last: whether stopped.
-    """
-    source = problem.record.study
-    points = [(member, speed) for member in problem.members for speed in speeds]
-    done: dict[int, Solution] = {}
-    refused: set[int] = set()
-    solver = RestSolver(problem)
-    needed = problem.members if rest else problem.only(lambda member: member.model.needs_rest)
-
-    def tell(text: str) -> None:
-        if progress is not None:
-            under_way = sum(share for share in list(shares.values()) if share < 1.0)
-            progress(min(1.0, (1 + len(done) + under_way) / (1 + len(points))), text)
-
-    shares: dict[tuple[Member, float], float] = {}
-    cluster = CLUSTER.get()
-
-    def integrate(ready: PreparedRun, speed: float) -> Solution:
-        provenance = provenance_of(problem, ready.member, speed, plan.created_at)
-        if cluster is not None:
-            found = cluster.call(integrate_point, ready, speed, plan, provenance)
-            lost = isinstance(found, Lost)
-            return unfinished(problem, ready.member, speed, plan, WORKER_LOST) if lost else found
-
-        def watch(share: float) -> bool:
-            """Show how far a long run is, until it is stopped."""
-            shares[ready.member, speed] = share
-            if progress is not None and not noted():
-                tell(f"{ready.member.label} at {speed * 30 / np.pi:.6g} rpm, {share:.0%}")
-            return not noted()
-
-        return integrate_point(ready, speed, replace(plan, watch=watch), provenance)
-
-    def start(pool: Executor, members: Mapping[Member, PreparedRun]) -> dict[Future[Solution], int]:
-        return {
-            pool.submit(integrate, members[member], speed): index
-            for index, (member, speed) in enumerate(points)
-            if member in members
-        }
-
-    ready: dict[Member, PreparedRun] = {
-        m: prepare(problem, m, {}, source) for m in problem.members if not m.model.needs_rest
-    }
-    try:
-        with threads(workers) as pool:
-            jobs = start(pool, ready)
-            solver.solve(dict.fromkeys(one for m in needed for one in m.springs), pool)
-            tell("springs at rest")
-            late = {
-                member: prepare(problem, member, solver.found, source)
-                for member in problem.members
-                if member not in ready
-            }
-            ready |= late
-            jobs |= start(pool, late)
-            results = as_they_come(jobs)
-            del jobs
-            for index, solution in results:
-                member, speed = points[index]
-                if solution.status.code == "refused":
-                    refused.add(index)
-                done[index] = with_quantities(ready[member], solution, plan, solver.found)
-                if finished is not None:
-                    finished(index, done[index])
-                del solution
-                if not plan.whole and speed < SLOW:
-                    return_memory()
-                tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
-        stopped = False
-    except KeyboardInterrupt:
-        stopped = True
-        if not done and not solver.found:
-            raise
-    at_rest = solver.known()
-    if refused == done.keys() and at_rest.refused and not at_rest.springs:
-        raise at_rest.refused[0]  # nothing came out at all: the case cannot be run
-    solutions = (
-        done.get(index) or unfinished(problem, *point, plan, STOPPED)
-        for index, point in enumerate(points)
-    )
-    return tuple(solutions), at_rest, stopped

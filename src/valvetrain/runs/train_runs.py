@@ -67,7 +67,7 @@ def train_statics(problem: Problem, spring: InstalledSpring) -> SpringAtRest:
 
 def prepare_trains(
     problem: Problem, engine_speeds: Sequence[float], failures: PartialFailures
-) -> tuple[tuple[PreparedRun, ...], tuple[SpringAtRest, ...]]:
+) -> tuple[tuple[PreparedRun, ...], dict[InstalledSpring, SpringAtRest]]:
     """Every member of a train prepared, shared parts computed once, and the springs at rest that
     their models need.
 
@@ -85,7 +85,7 @@ def prepare_trains(
         rest |= {spring: found} if found is not None else {}
     prepared: dict[Hashable, PreparedRun] = {}
     members = tuple(_prepared(problem, member, rest, prepared) for member in problem.members)
-    return members, tuple(rest.values())
+    return members, rest
 
 
 def _prepared(

@@ -190,11 +190,6 @@ def names_for(use: Use, system: Literal["spring", "train", ""] = "") -> tuple[st
     return tuple(name for one in rows for name in one.answered_as or (one.name,))
 
 
-def computed_rows() -> tuple[tuple[QuantityRow, Callable[[Any], float | None]], ...]:
-    """The rows that compute their own value of a run, each with its function."""
-    return tuple((one, one.compute) for one in _rows() if one.compute is not None)
-
-
 def _rows() -> list[QuantityRow]:
     return [one for rows in tables().values() for one in rows]
 
@@ -363,16 +358,12 @@ def _index() -> tuple[dict[str, QuantityRow], tuple[tuple[QuantityRow, re.Patter
     """Rows by whole name, and templates with their patterns, the one with most fixed letters first."""
     every = _rows()
     templates = sorted(
-        (one for one in every if "{" in one.name), key=lambda one: -len(fixed_part(one.name))
+        (one for one in every if "{" in one.name),
+        key=lambda one: -len(re.sub(r"\{\w+\}", "", one.name)),
     )
     return {one.name: one for one in every if "{" not in one.name}, tuple(
         (one, pattern_of(one.name)) for one in templates
     )
-
-
-def fixed_part(template: str) -> str:
-    """A template without its places: ``mode_{n}_frequency`` -> ``mode__frequency``."""
-    return re.sub(r"\{\w+\}", "", template)
 
 
 def pattern_of(template: str) -> re.Pattern[str]:
