@@ -131,7 +131,14 @@ AT_ENDS, AT_POINT = 30, 12
 CHAIN, POINTS = "multi-mass", 100.0
 #: Instants of a cam revolution that are stored; steps of which the forces are, their length (s), seconds that their
 #: evaluation takes, bytes of a step while it runs and as it is stored.
-INSTANTS, MOST_STEPS, STEP, STEP_TIME, STEP_BYTES, STORED_BYTES = 720, 2**20, 2e-6, 1.2e-6, 128.0, 16.0
+INSTANTS, MOST_STEPS, STEP, STEP_TIME, STEP_BYTES, STORED_BYTES = (
+    720,
+    2**20,
+    2e-6,
+    1.2e-6,
+    128.0,
+    16.0,
+)
 #: Bytes of a process beside its arrays, once it has run.
 PROCESS_BYTES = 120e6
 #: Spring at rest: seconds and bytes of one finite element at one height, bytes of a height as it is written, seconds of
