@@ -60,3 +60,26 @@ def test_a_stated_height_counts_and_another_of_the_wire_is_named():
         assert spring.wire.solid_height == pytest.approx(26.6e-3 if code else 27.39e-3, abs=0.02e-3)
     with pytest.raises(vt.InputError, match="solid_height"):
         case(WIRES["whole turns"], solid_height="48 mm")
+
+
+def cone(shift, turns=6):
+    """An open conical wire of 2 mm, whose radius falls by ``shift`` (mm) a turn; small against its mean diameter."""
+    last = 80 - 2 * shift * turns
+    diameter = {"coils": [0, turns], "values": ["80 mm", f"{last:.4f} mm"]}
+    wire = {"wire_diameter": "2 mm", "mean_diameter": diameter, "total_coils": turns, "free_length": "60 mm"}  # fmt: skip
+    spring = {**wire, "material": STEEL, "ends": "open", "precompression": "1 mm"}
+    return case_of(vt.Case(name="cone", spring=spring)).springs[0].wire
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5, 1.0])
+def test_turns_of_a_cone_stack_by_the_square_root(shift):
+    """Six turns lie (d^2 - shift^2)^(1/2) above one another, and the last is one wire high."""
+    by_hand = 6 * np.sqrt(4 - shift**2) + 2
+    assert 1e3 * cone(shift).solid_height == pytest.approx(by_hand, rel=0.01)
+
+
+def test_turns_that_pass_one_another_are_bound_by_the_seats_alone():
+    """The height of a cone does not jump where its turns begin to pass, and falls on towards one wire."""
+    touching, passing, far = (1e3 * cone(shift).solid_height for shift in (1.999, 2.001, 3.0))
+    assert touching > passing > far > 2.0
+    assert touching - passing < 0.25 * 2.0 and far < 1.75 * 2.0

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.parameters.curves import Array, Curve
 from valvetrain.parameters.material import Material
@@ -40,6 +40,9 @@ class WireShape(Protocol):
     @property
     def upper_seat_height(self) -> float: ...
 
+    def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the wire passes inside or outside of the wire one turn below."""
+
     def axial_position(self, coil: ArrayLike) -> Array:
         """Height z (m) of the wire axis above its lower tip."""
 
@@ -64,7 +67,8 @@ def computed_solid_height(spring: WireShape) -> float:
     its plane (Timoshenko, Strength of Materials II, section 12): the least energy over axial
     displacement and twist, with coils that may touch each other and both seats (Lawson and Hanson,
     Solving Least Squares Problems, chapter 23). The finite-element rod has 27.4 mm for seven turns
-    of 3.8 mm wire, this has 27.39.
+    of 3.8 mm wire, this has 27.39. Coils that pass one another meet only the seats, so a cone whose
+    turns all do is as high as one wire.
 
     Parameters
     ----------
@@ -74,11 +78,6 @@ def computed_solid_height(spring: WireShape) -> float:
     force = float(np.max(closing_forces(spring, np.linspace(first, last, SAMPLES))))
     if force <= 0.0:
         return spring.free_length
-    every = np.linspace(0.0, spring.total_coils, 64 * int(np.ceil(spring.total_coils)) + 1)
-    rise = spring.solid_rise(every)
-    if np.any((rise <= 0.0) & (spring.pitch.value(every) > 0.0)):  # coils lie inside one another
-        stacked = np.sum(np.diff(every) * (rise[1:] + rise[:-1]) / 2)
-        return float(stacked + spring.wire_diameter.value(0.0))
     pieces = max(4, int(np.ceil((last - first) * PIECES)))
     edges = np.linspace(first, last, pieces + 1)
     knots = np.concatenate([[first] * 3, edges, [last] * 3])
@@ -107,14 +106,16 @@ def computed_solid_height(spring: WireShape) -> float:
 
     upper = np.linspace(0.0, last + 1, int(PLACES * (last + 1)) + 1)
     upper = upper[(upper > first) & (upper < spring.total_coils + 1) & (upper - 1 < last)]
-    gaps, seated = _free_gaps(spring, upper)
+    passed = spring.telescopes(upper)
     above, below = (
         _splines(knots, np.clip(at, first, last), 0) @ held for at in (upper, upper - 1)
     )
     below[upper - 1 <= first] = 0.0
-    above[seated > 0] = held[-1]
+    seated, retained = (upper < 1.0) | passed, (upper > spring.total_coils) | passed
+    paired = ~(seated | retained)
     # the travel of the free wire, and what each touching place takes of it
-    apart = above - below
+    apart = np.vstack([(above - below)[paired], above[seated], held[-1] - below[retained]])
+    gaps = _free_gaps(spring, upper[paired], upper[seated], upper[retained] - 1)
     answer = np.linalg.solve(stiffness, np.column_stack([apart.T, load]))
     yields, opened = apart @ answer[:, :-1], apart @ answer[:, -1]
     pressing = _pressing_forces(yields, -(gaps + opened))
@@ -167,23 +168,25 @@ def _splines(knots: Array, place: Array, derivative: int) -> Array:
     return values
 
 
-def _free_gaps(spring: WireShape, upper: Array) -> tuple[Array, Array]:
-    """Gap (m) of the unloaded wire at coils ``upper`` to the wire one turn below, or to the seat where there is none;
-    1 in the second array where ``upper`` stands for the retainer above the last turn.
+def _free_gaps(spring: WireShape, upper: Array, lowest: Array, highest: Array) -> Array:
+    """Gaps (m) of the unloaded wire: at coils ``upper`` to the wire one turn below, at ``lowest`` to the lower seat, and at
+    ``highest`` to the retainer.
     """
-    seated = np.where(upper > spring.total_coils, 1.0, 0.0)
-    here, under = np.minimum(upper, spring.total_coils), np.maximum(upper - 1, 0.0)
-    wire = (spring.wire_diameter.value(here) + spring.wire_diameter.value(under)) / 2
-    mean = spring.mean_diameter.value(here)
-    rise = spring.axial_position(here) - spring.axial_position(under)
-    shift = (mean - spring.mean_diameter.value(under)) / 2
+    wire = (spring.wire_diameter.value(upper) + spring.wire_diameter.value(upper - 1)) / 2
+    mean = spring.mean_diameter.value(upper)
+    rise = spring.axial_position(upper) - spring.axial_position(upper - 1)
+    shift = (mean - spring.mean_diameter.value(upper - 1)) / 2
     stacked = np.sqrt(np.maximum(wire**2 - shift**2, 0.0))
-    gap = rise - stacked * np.hypot(1.0, stacked / (np.pi * mean))
-    half = spring.wire_diameter.value(here) / 2
-    gap = np.where(upper < 1.0, spring.axial_position(here) - spring.lower_seat_height - half, gap)
-    top = (
-        spring.upper_seat_height
-        - spring.axial_position(under)
-        - spring.wire_diameter.value(under) / 2
+    down, up = (
+        spring.axial_position(coil) + side * spring.wire_diameter.value(coil) / 2
+        for coil, side in ((lowest, -1), (highest, 1))
     )
-    return np.maximum(np.where(seated > 0, top, gap), 0.0), seated
+    gaps = np.concatenate(
+        (
+            rise - stacked * np.hypot(1.0, stacked / (np.pi * mean)),
+            down - spring.lower_seat_height,
+            spring.upper_seat_height - up,
+        )
+    )
+    found: Array = np.maximum(gaps, 0.0)
+    return found
