@@ -93,7 +93,7 @@ def outcomes(folder, seed):
         name: (scale[name] * value - truth[name], BAND * scale[name] * spread)
         for name, (value, spread) in found.items()
     }
-    right = scan.hand == ("right" if hand > 0 else "left") and scan.lower_end.kind == (
+    right = scan.hand == ("right" if hand > 0 else "left") and scan.definition.lower_end.kind == (
         "closed-ground" if ground else "closed"
     )
     return rows, ScanAnswer(scan).findings.codes, right

@@ -91,7 +91,7 @@ def test_a_wire_that_is_ground_away_ends_where_the_last_of_it_stands(found):
         )
     ]
     assert scan.total_coils[0] == pytest.approx(gone, abs=0.03)
-    assert scan.upper_end.kind == "open-ground"
+    assert scan.definition.upper_end.kind == "open-ground"
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -101,10 +101,6 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
         (("rig.csv", "--angle-count", "4"), "--angle-count is a whole number"),
         (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
         (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
-        (
-            ("rig.csv", "--angle-of", "crank", "--shunt", "spring_force=x, 1 N"),
-            "the shunt of spring_force",
-        ),
     ],
 )
 def test_what_is_wrong_is_one_sentence(folder, monkeypatch, words, sentence):

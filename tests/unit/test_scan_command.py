@@ -84,8 +84,8 @@ def test_the_design_stands_beside_the_scan(folder):
     data = json.loads(found.stdout)
     assert data["findings"][0]["code"] == "Y112"
     compared = {one["quantity"]: one for one in data["compared"]}
-    assert compared["preload"]["scan"] == pytest.approx(compared["preload"]["design"], rel=0.02)
-    assert compared["mode_1_frequency"]["scan"] == pytest.approx(
+    assert compared["preload"]["scanned"] == pytest.approx(compared["preload"]["design"], rel=0.02)
+    assert compared["mode_1_frequency"]["scanned"] == pytest.approx(
         compared["mode_1_frequency"]["design"], rel=0.02
     )
     page = (folder / "beside" / "report.html").read_text()

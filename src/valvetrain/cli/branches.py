@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -96,9 +95,7 @@ def branches(
     def write(folder: Path) -> list[Path]:
         return [found.save(folder / "branches.nc")]
 
-    request = SavedRequest(
-        "branches", chosen, output, datetime.now(UTC).replace(microsecond=0), folder_of(case)
-    )
+    request = SavedRequest("branches", chosen, output, folder_of(case))
     choices = {
         "engine_speeds": [rpm(one) for one in speeds],
         "engine_speed_unit": "rpm",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import warnings
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -171,8 +170,7 @@ def check(
     }  # fmt: skip
     gaps = PartialFailures()
     if output is not None:
-        now = datetime.now(UTC).replace(microsecond=0)
-        request = SavedRequest("check", chosen, output, now, folder_of(case))
+        request = SavedRequest("check", chosen, output, folder_of(case))
 
         def write(folder: Path) -> list[Path]:
             return list(filter(None, (write_page(answer(), folder, gaps),)))

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,8 +34,7 @@ def refine(request: Refine, line: DaskLine, folder: Path) -> None:
     from valvetrain.runs.cost import FEWER_REFINED, refuse_cost
 
     refuse_cost(request.cost(), request.limit, fewer=FEWER_REFINED)
-    now = datetime.now(UTC).replace(microsecond=0)
-    saved = SavedRequest(request.command, request.case, line.output, now, folder)
+    saved = SavedRequest(request.command, request.case, line.output, folder)
     study, stopped = _refined(request)
     outcome = _saved_outcome(request, saved, study, stopped, line.open_page)
     if not stopped:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -33,13 +33,15 @@ CaseRequest = TypeVar("CaseRequest", bound=Request)
 
 @dataclass(frozen=True)
 class SavedRequest:
-    """A request whose run is saved: command, case or other subject with a name, output folder, time, folder of the case file."""
+    """A request whose run is saved: command, case or other subject with a name, output folder, folder of the case file, time."""
 
     command: str
     case: Any
     output: Path | None
-    created_at: datetime
     folder: Path = Path()
+    created_at: datetime = field(
+        default_factory=lambda: datetime.now(UTC).replace(microsecond=0), init=False
+    )
 
 
 def show_page(page: Path) -> None:
@@ -66,8 +68,8 @@ def answer_study(
     from valvetrain.runs.stopping import StudyStopped
     from valvetrain.views.files import UnfinishedRun
 
-    now = datetime.now(UTC).replace(microsecond=0)
-    saved = SavedRequest(request.command, request.case, line.output, now, folder)
+    saved = SavedRequest(request.command, request.case, line.output, folder)
+    now = saved.created_at
     begun = ("valvetrain", *sys.argv[1:])
     unfinished = UnfinishedRun(
         lambda: line.output or unfinished_folder(request.case.name, now), begun

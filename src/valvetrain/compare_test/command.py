@@ -5,7 +5,6 @@ adequate.
 from __future__ import annotations
 
 import shlex
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -110,8 +109,7 @@ def compare_test(
             limit=", ".join(limit or ()),
             implausible=implausible,
         )
-    now = datetime.now(UTC).replace(microsecond=0)
-    request = SavedRequest("compare-test", chosen, output, now, folder_of(case))
+    request = SavedRequest("compare-test", chosen, output, folder_of(case))
     failed = list(result.failures)
     data = {
         "command": "compare-test",

@@ -4,7 +4,6 @@ lines and damping out.
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -122,9 +121,8 @@ def film(
         return FilmAnswer(motion, model, synthetic, str(folder), words=words)
 
     choices = {"film": str(film)} | {name: str(value) for name, value in answers.items()}
-    now = datetime.now(UTC).replace(microsecond=0)
     name = Path(f"film-{film.resolve().stem}"[:80])  # what is not a case is saved by its name
-    request = SavedRequest("film", chosen or name, output, now)
+    request = SavedRequest("film", chosen or name, output)
     data = film_json(motion, model) | {"synthetic": synthetic}
     write = partial(write_film, motion, model)
     deliver(saved_result(request, text, data, show, write, choices, open_page))

@@ -14,6 +14,7 @@ from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.tables import LINE_COLUMNS, PEAK_COLUMNS, line_table, peak_table
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
+from valvetrain.measured.json import json_estimate, json_fields
 from valvetrain.solution.atomic import write_text
 from valvetrain.views.columns import csv_row, csv_text, json_row
 from valvetrain.views.results import report_answer
@@ -74,7 +75,7 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
         "command": "film", "case": "" if model is None else model.case, "completed": True, "frames": len(motion.places),
         "coils": motion.coils,
         "frame_rate": motion.seen.frame_rate, "line": {"start": list(line.start), "end": list(line.end), "unit": "px"},
-        "metres_per_pixel": {"value": motion.metres_per_pixel, "standard_deviation": motion.scale_spread},
+        "metres_per_pixel": json_estimate((motion.metres_per_pixel, motion.scale_spread)),
         "place_standard_deviation": {"value": float(np.nanmedian(motion.spread)), "unit": "px"},
         "camera_drift": {"value": float(np.ptp(motion.drift)), "unit": "px"},
         "cam_speed": None if motion.phase is None else {
@@ -86,11 +87,8 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
     }  # fmt: skip
     if model is not None:
         data["model"] = {
-            "model": model.model, "spring": model.spring, "turns": model.turns, "quantities": list(model.quantities),
-            "peaks": model.peaks, "root_mean_square_apart": model.apart,
-            "surge_frequency": model.surge_frequency, "cam_angle_shift": model.shift, "notes": list(model.notes),
-            "surge_lines": [{"frequency": line.natural_frequency, "damping_ratio": line.damping_ratio}
-                            for line in (() if model.surge is None else model.surge.lines)]
+            **json_fields(model, "model spring turns quantities peaks apart surge_frequency shift notes"),
+            "surge_lines": [json_fields(line, "natural_frequency damping_ratio") for line in (() if model.surge is None else model.surge.lines)]
         }  # fmt: skip
     return data
 

@@ -13,6 +13,7 @@ from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import BAND, SurgeLine
 from valvetrain.findings.words import digits_text
+from valvetrain.measured.json import json_estimate
 from valvetrain.parameters.summary import percent
 from valvetrain.views.columns import RowColumn
 
@@ -72,12 +73,12 @@ LINE_COLUMNS: list[RowColumn] = [
     RowColumn("line", lambda row: str(row.position)),
     RowColumn(
         "frequency", lambda row: f"{digits_text(row.line.natural_frequency, row.line.frequency_spread, 7)} Hz",
-        lambda row: {"value": row.line.natural_frequency, "standard_deviation": row.line.frequency_spread}, "frequency"
+        lambda row: json_estimate((row.line.natural_frequency, row.line.frequency_spread)), "frequency"
     ),
     RowColumn("95 %, ±", lambda row: f"{digits_text(BAND * row.line.frequency_spread, 0, 2)} Hz"),
     RowColumn(
         "damping ratio", lambda row: digits_text(row.line.damping_ratio, row.line.damping_spread, 7),
-        lambda row: {"value": row.line.damping_ratio, "standard_deviation": row.line.damping_spread}, "damping_ratio"
+        lambda row: json_estimate((row.line.damping_ratio, row.line.damping_spread)), "damping_ratio"
     ),
     RowColumn("95 %, ±", lambda row: digits_text(BAND * row.line.damping_spread, 0, 2)),
     RowColumn("decay rate", lambda row: f"{digits_text(row.line.decay_rate)} 1/s", "line.decay_rate", "decay_rate"),

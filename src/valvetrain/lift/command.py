@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -261,7 +260,7 @@ def lift(
 
     data = _data(facts)
     outcome = saved_result(
-        SavedRequest("lift", own, output, datetime.now(UTC).replace(microsecond=0)), own.text, data,
+        SavedRequest("lift", own, output), own.text, data,
         lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures
     )  # fmt: skip
     if write is not None:

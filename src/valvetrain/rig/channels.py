@@ -55,9 +55,7 @@ class RigAnswers:
     teeth, missing : positions on the wheel, and how many adjacent ones of them are cut away
     units : quantity, or ``encoder``, -> unit, where the file does not give it or gives a wrong one
     calibration : quantity -> value of one unit of its channel, such as
-        ``{"spring_force": "2.5 N"}`` for a bridge in um/m
-    shunt : quantity -> step of the channel with the shunt and the load it simulates, such as
-        ``{"spring_force": "412, 1000 N"}``
+        ``{"spring_force": "2.5 N"}`` for a bridge in um/m; of a shunt its load over the step that it makes
     zero : quantity -> its value in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
         zero there unless specified otherwise
     dwell : first and last cam angle of the dwell, such as "-30, 30 deg"; found from the lift, where there is one
@@ -84,7 +82,6 @@ class RigAnswers:
     missing: int = 0
     units: Mapping[str, str] = FrozenMapping()
     calibration: Mapping[str, str] = FrozenMapping()
-    shunt: Mapping[str, str] = FrozenMapping()
     zero: Mapping[str, str] = FrozenMapping()
     dwell: Sequence[Given] | str | None = None
     band: Given | None = None
@@ -350,7 +347,7 @@ def _open_questions(
     ):
         questions.append(("sampling_rate", "the sampling rate (sampling_rate)"))
     for quantity, channel in measured.items():
-        if quantity in answers.calibration or quantity in answers.shunt:
+        if quantity in answers.calibration:
             continue
         unit, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
         label = f"{quantity} ('{channel.name[:40]}'"
@@ -384,19 +381,6 @@ def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[flo
     if quantity in answers.calibration:
         calibration = answers.calibration[quantity]
         return parse_quantity(calibration, due, f"calibration of {quantity}"), si_unit
-    if quantity in answers.shunt:
-        text, _, load = answers.shunt[quantity].partition(",")
-        try:
-            step = float(text)
-        except ValueError:
-            step = 0.0
-        if not np.isfinite(step) or step == 0 or not load:
-            raise InputError(
-                f"the shunt of {quantity} is the step of its channel and the load, such as '412, 1000 N', not "
-                f"'{answers.shunt[quantity][:40]}'",
-                "shunt",
-            )
-        return parse_quantity(load.strip(), due, f"shunt of {quantity}") / step, si_unit
     unit = answers.units.get(quantity) or channel.unit
     return (_unit_scale(unit, due)[0] if unit else 1.0), si_unit
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -41,7 +40,6 @@ ASKED = {
     "missing": ("--missing", "N", "Number of missing teeth at the reference mark."),
     "units": ("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable."),
     "calibration": ("--calibration", "QUANTITY=VALUE", "Value of one unit of it: '2.5 N'."),
-    "shunt": ("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load."),
     "zero": ("--zero", "QUANTITY=VALUE", "Value of a quantity in the dwell: 'spring_force=240 N'."),
     "dwell": ("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'."),
     "band": ("--band", "FREQUENCY", "Highest frequency to retain: '20 kHz'."),
@@ -103,9 +101,8 @@ def rig(
     choices = {key: str(value) for key, value in vars(asked).items() if value}
     with file.open("rb") as stream:
         choices |= {"file": file.name, "digest": file_digest(stream, "blake2b").hexdigest()[:32]}
-    now = datetime.now(UTC).replace(microsecond=0)
     home = Path() if case is None else folder_of(case)
-    request = SavedRequest("rig", Path(name), output, now, home)
+    request = SavedRequest("rig", Path(name), output, home)
     text = f'name = "{name}"\n' if chosen is None else chosen.text
     data = data_of(result) | {"case": chosen.name if chosen else ""}
     deliver(

@@ -4,7 +4,6 @@ next to it.
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -98,8 +97,8 @@ def scan(
         words = Words(shown_system(), case=str(folder / "spring.toml"))
         return ScanAnswer(scanned, compared, words=words)
 
-    answer, now = ScanAnswer(scanned, compared), datetime.now(UTC).replace(microsecond=0)
-    request = SavedRequest("scan", parse_case(answer.text, "scan"), output, now)
+    answer = ScanAnswer(scanned, compared)
+    request = SavedRequest("scan", parse_case(answer.text, "scan"), output)
     data, write = _data(scanned, compared), partial(write_scan, answer)
     failures = () if compared is None else compared.failures
     deliver(saved_result(request, answer.text, data, show, write, choices, open_page, failures))
@@ -107,32 +106,40 @@ def scan(
 
 def _data(scanned: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
     """The JSON answer, SI."""
+    from valvetrain.measured.json import json_estimate, json_fields
 
-    def spread(pair: tuple[float, float]) -> dict[str, float]:
-        return {"value": pair[0], "standard_deviation": pair[1]}
-
-    curves, section, wire = scanned.curves, scanned.section, scanned.definition
+    section, wire = scanned.section, scanned.definition
     data: dict[str, Any] = {
-        "command": "scan", "case": "", "completed": compared is None or not compared.failures, "form": scanned.form, "unit": scanned.unit,
-        "points_read": scanned.points_read, "points_fitted": scanned.points_fitted, "points_on_wire": scanned.points_on_wire,
-        "noise": scanned.noise, "hand": scanned.hand, "total_coils": spread(scanned.total_coils), "free_length": spread(scanned.free_length),
-        "wire_diameter": spread(section.diameter), "ovate": section.ovate, "long_axis": spread(section.long_axis),
-        "short_axis": spread(section.short_axis), "inclination": section.inclination,
-        "axis": {"point": scanned.axis_point.tolist(), "direction": scanned.axis_direction.tolist()},
+        "command": "scan",
+        "case": "",
+        "completed": compared is None or not compared.failures,
+        **json_fields(
+            scanned, "form unit points_read points_fitted points_on_wire noise hand notes"
+        ),
+        "total_coils": json_estimate(scanned.total_coils),
+        "free_length": json_estimate(scanned.free_length),
+        "wire_diameter": json_estimate(section.diameter),
+        "long_axis": json_estimate(section.long_axis),
+        "short_axis": json_estimate(section.short_axis),
+        **json_fields(section, "ovate inclination"),
+        "axis": {"point": scanned.axis_point, "direction": scanned.axis_direction},
         "ends": {
-            word: {"kind": end.kind, "ground_coils": coil.ground_coils, "face_points": end.face_points, "face_lean": end.face_lean}
-            for word, end, coil in (("lower", scanned.lower_end, wire.lower_end), ("upper", scanned.upper_end, wire.upper_end))
+            word: json_fields(end, "kind ground_coils")
+            for word, end in (("lower", wire.lower_end), ("upper", wire.upper_end))
         },
-        "curves": {
-            key: getattr(curves, key).tolist()
-            for key in ("coil", "mean_diameter", "mean_diameter_spread", "height", "height_spread", "pitch", "pitch_spread", "centre_line")
-        },
-        "turns": [dict(zip(("coil", "wire_diameter", "standard_deviation", "points"), row, strict=True)) for row in section.turns.tolist()],
-        "notes": list(scanned.notes),
-    }  # fmt: skip
+        "curves": json_fields(
+            scanned.curves,
+            "coil mean_diameter mean_diameter_spread height height_spread pitch pitch_spread centre_line",
+        ),
+        "turns": [
+            dict(zip(("coil", "wire_diameter", "standard_deviation", "points"), row, strict=True))
+            for row in section.turns.tolist()
+        ],
+    }
     if compared is not None:
         data["design"] = compared.cases[0].name
         data["compared"] = [
-            {"quantity": number.quantity, "design": number.design, "scan": number.scanned} for number in compared.numbers
-        ]  # fmt: skip
+            json_fields(number, "quantity design scanned") for number in compared.numbers
+        ]
+        data["failures"] = compared.failures
     return data

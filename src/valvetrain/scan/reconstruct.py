@@ -15,7 +15,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.definition import curves_of, define, round_wire, upside_down
 from valvetrain.scan.fit import FittedSpring, fit_spring, seen_around, unseen_sector
-from valvetrain.scan.result import Coverage, ScannedEnd, ScannedSpring, WireSection
+from valvetrain.scan.result import Coverage, ScannedSpring, WireSection
 from valvetrain.scan.tube import TUKEY
 from valvetrain.units import dimension_of, unit_factor
 
@@ -215,12 +215,6 @@ def _measured(fitted: FittedSpring, down: bool, material: Material, name: str) -
     mean, along, across = tube.section * (1.0, fitted.ovate, fitted.ovate)
     spread, size = np.sqrt(np.diag(tube.cov)[-3:]), float(np.hypot(along, across))
     axes_spread = 2e-3 * float(np.hypot(spread[0], mean * np.hypot(*spread[1:]) * fitted.ovate))
-    ends, faces = (definition.lower_end, definition.upper_end), fitted.faces
-    lower_end, upper_end = (
-        ScannedEnd(end.kind, 0, 0.0) if face is None
-        else ScannedEnd(end.kind, face.points, float(np.arctan(np.hypot(*face.lean))))
-        for end, face in zip(ends, faces[::-1] if down else faces, strict=True)
-    )  # fmt: skip
     # The widest sector about the axis without points, and the tips in it.
     begin, width = unseen_sector(fitted.points[weight > 0])
     hidden = tuple(
@@ -238,8 +232,6 @@ def _measured(fitted: FittedSpring, down: bool, material: Material, name: str) -
             (-0.5 if down else 0.5) * float(np.arctan2(across, along)),
             turns,
         ),
-        "lower_end": lower_end,
-        "upper_end": upper_end,
         "total_coils": (float(curves.coil[-1]), float(np.hypot(*fitted.tip_spread))),
         "free_length": free_length,
         "axis_direction": -fitted.frame.base[2] if down else fitted.frame.base[2],

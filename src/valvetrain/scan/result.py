@@ -58,16 +58,6 @@ class WireSection:
 
 
 @dataclass(frozen=True, slots=True)
-class ScannedEnd:
-    """One end: ``kind`` as of an end coil, ``face_points`` on its ground face (0: none),
-    ``face_lean`` (rad) against the axis."""
-
-    kind: str
-    face_points: int
-    face_lean: float
-
-
-@dataclass(frozen=True, slots=True)
 class Coverage:
     """How much of a spring a scan shows: ``around``, share of the way around the wire with points on it; ``sector`` (rad),
     the widest about the axis without points; ``hidden_tips``, the ends (lower, upper) whose tip is at its edge or in it.
@@ -82,8 +72,8 @@ class Coverage:
 class ScannedSpring(Reported):
     """A spring out of a scan, made by :func:`spring_from_scan`; SI.
 
-    ``definition``: the spring for a case; ``curves``, ``section``, ``lower_end`` and ``upper_end``:
-    what was measured; ``total_coils`` and
+    ``definition``: the spring for a case; ``curves`` and ``section``: what was
+    measured; ``total_coils`` and
     ``free_length`` with standard deviations; ``axis_point`` and ``axis_direction``: in the file's
     frame, towards the upper end; ``noise``:
     standard deviation of a point from the surface; ``points_read``,
@@ -91,8 +81,8 @@ class ScannedSpring(Reported):
     file's frame (n, 3); ``notes``: what was left out or assumed, a few words each; ``fitted``: the tube behind it, and
     whether it is shown upside ``down``.
 
-    >>> ScannedEnd("closed-ground", 900, 0.01).kind
-    'closed-ground'
+    >>> [name for name in ScannedSpring.__dataclass_fields__ if name in ("definition", "noise")]
+    ['definition', 'noise']
     """
 
     report_word = "scan"
@@ -103,8 +93,6 @@ class ScannedSpring(Reported):
     definition: SpringDefinition
     curves: ScanCurves
     section: WireSection
-    lower_end: ScannedEnd
-    upper_end: ScannedEnd
     total_coils: tuple[float, float]
     free_length: tuple[float, float]
     axis_point: Array

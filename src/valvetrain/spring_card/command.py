@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -180,7 +179,7 @@ def _deliver(
     source = f"from a {'catalogue card' if facts.by_card else 'table of forces'}"
     text = spring_text(case, fit.spring, source)
     outcome = saved_result(
-        SavedRequest("spring-card", parse_case(text, case), output, datetime.now(UTC).replace(microsecond=0)), text,
+        SavedRequest("spring-card", parse_case(text, case), output), text,
         {"command": "spring-card", "case": "", "completed": True, **found},
         lambda folder: CardAnswer(replace(facts, file=str(folder / "spring.toml"))),
         lambda folder: [write_text(folder / "spring.toml", text)], {"name": name}, open_page,
@@ -197,23 +196,22 @@ def _card_data(fit: SpringFit) -> dict[str, Any]:
 
 def _table_data(fit: TesterFit) -> dict[str, Any]:
     """What the table gives (SI), with standard deviations."""
+    from valvetrain.measured.json import json_estimate
 
-    def spread(estimate: tuple[float, float] | None) -> dict[str, float] | None:
-        if estimate is None:
-            return None
-        return {"value": estimate[0], "standard_deviation": estimate[1]}
-
-    data = {
-        "height": fit.height, "free_length": spread(fit.free_length), "rate": spread(fit.rate), "preload": spread(fit.preload),
-        "solid_height": spread(fit.solid_height), "reaches_coil_bind": fit.bound, "scatter": fit.table.curve.scatter,
-    }  # fmt: skip
+    data: dict[str, Any] = {
+        "height": fit.height,
+        "reaches_coil_bind": fit.bound,
+        "scatter": fit.table.curve.scatter,
+    }
+    for name in ("free_length", "rate", "preload", "solid_height"):
+        pair = getattr(fit, name)
+        data[name] = None if pair is None else json_estimate(pair)
     if (wire := fit.wire) is None:
         return data
     law = wire.stations
+    rows = zip(law.coil, law.pitch, law.spread, strict=True)
     return data | {
-        "active_coils": spread(wire.active_coils), "worst_by_rod": wire.worst_by_rod,
-        "pitch": [
-            {"coil": float(coil), "pitch": float(pitch), "standard_deviation": float(sd)}
-            for coil, pitch, sd in zip(law.coil, law.pitch, law.spread, strict=True)
-        ],
+        "active_coils": json_estimate(wire.active_coils),
+        "worst_by_rod": wire.worst_by_rod,
+        "pitch": [{"coil": coil, "pitch": pitch, "standard_deviation": sd} for coil, pitch, sd in rows],
     }  # fmt: skip
