@@ -351,7 +351,7 @@ def write_model_against_test() -> None:
             "job-t",
             samples / "spring-force.csv",
             models=models,
-            sensor=Sensor(bandwidth="8 kHz"),
+            sensor=Sensor(bandwidth=8e3),
         )
         head = compare_with_test("gu2021-beehive-blind", samples / "engine-head.csv")
     for name, found in (("model-less-test", force), ("engine-head", head)):

@@ -85,7 +85,12 @@ def asking(
         for name, (flag, follows, _) in asked.items():
             if (value := given.pop(name)) is not None:
                 answers[name] = read_pairs(value, flag) if "=" in follows else value
-        function(**given, answers=answers)
+        try:
+            function(**given, answers=answers)
+        except InputError as error:  # a field of a table is named by its option
+            name = error.where.partition(" of the ")[0]
+            where = asked[name][0] if name in asked else error.where
+            raise InputError(error.reason, where) from error
 
     command.__doc__, command.__name__ = function.__doc__, function.__name__
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]

@@ -3,22 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BeforeValidator, ValidationInfo
 
-from valvetrain.errors import InputError
 from valvetrain.film.space_time import DEFAULT_WIDTH, MARKER_RADIUS, Point
-from valvetrain.units import Given, keep_si, parse_quantities
-
-#: Which end of the line the spring's fixed seat is at.
-SEAT_ENDS = ("start", "end")
+from valvetrain.parameters.schema_types import Angle, Length, Table, problem, quantity, table
+from valvetrain.units import parse_quantities
 
 
-@dataclass(frozen=True, kw_only=True)
-class FilmSetup:
+def _points(given: Any, info: ValidationInfo) -> tuple[Any, ...]:
+    """A point, or two: nested as a :class:`SightLine` takes them."""
+    count = 2 if info.field_name == "marker" else 4
+    try:
+        parts = given.split(",") if isinstance(given, str) else given
+        numbers = np.array(parts, dtype=float).ravel()
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if len(numbers) != count or not (np.abs(numbers) < 1e6).all():
+        such = ", ".join(["12, 5", "12, 205"][: count // 2])
+        raise problem(
+            f"{info.field_name} is {count} numbers of pixels, such as '{such}', not '{str(given)[:40]}'; correct it"
+        )
+    points = [tuple(point) for point in numbers.reshape(-1, 2).tolist()]
+    return tuple(points) if count == 4 else points[0]
+
+
+def _window(given: Any) -> tuple[float, float]:
+    """Two cam angles (rad) in order, within a turn."""
+    try:
+        if isinstance(given, str):
+            begin, end = parse_quantities(given.replace(":", ","), "angle", "dwell")
+            end += math.tau * (end < begin)
+        else:
+            begin, end = (float(value) for value in given)
+    except (TypeError, ValueError):
+        begin = end = 0.0
+    if not 0 < end - begin < 6.283 or not abs(end) < 1e6:
+        raise problem(
+            f"'{str(given)[:40]}' is no window; give two angles less than a turn apart, such as '170:350 deg'"
+        )
+    return begin, end
+
+
+FrameRate = Annotated[float, quantity("frequency", low=1.0, high=1e7)]
+CamSpeed = Annotated[float, quantity("angular speed", low=1e-3, high=1e7)]
+Ends = Annotated[tuple[Point, Point], BeforeValidator(_points)]
+
+
+@table("the film")
+class FilmSetup(Table):
     """Inputs of a film in addition to its pictures. Points are (x, y): column and row in px from the
     centre of the upper left pixel.
 
@@ -55,82 +90,34 @@ class FilmSetup:
     0.0001685
     """
 
-    frame_rate: float | None = None
-    line: tuple[Point, Point] | None = None
+    frame_rate: FrameRate | None = None
+    line: Ends | None = None
     line_width: float = DEFAULT_WIDTH
     coils: int | None = None
-    seat: str = ""
-    scale_points: tuple[Point, Point] | None = None
-    scale_length: float | None = None
-    marker: Point | None = None
+    seat: Literal["", "start", "end"] = ""
+    scale_points: Ends | None = None
+    scale_length: Length | None = None
+    marker: Annotated[Point, BeforeValidator(_points)] | None = None
     marker_radius: float = MARKER_RADIUS
-    marker_angle: float | None = None
-    cam_speed: float | None = None
-    first_angle: float | None = None
-    dwell: tuple[float, float] | None = None
+    marker_angle: Angle | None = None
+    cam_speed: CamSpeed | None = None
+    first_angle: Angle | None = None
+    dwell: Annotated[tuple[float, float], BeforeValidator(_window)] | None = None
     free_decay: bool = False
     first_frame: int = 0
     last_frame: int | None = None
 
-    if TYPE_CHECKING:  # accepted types are wider than the stored one
-
-        def __init__(
-            self,
-            *,
-            frame_rate: Given | None = None,
-            line: Sequence[Point] | str | None = None,
-            line_width: float = DEFAULT_WIDTH,
-            coils: int | None = None,
-            seat: str = "",
-            scale_points: Sequence[Point] | str | None = None,
-            scale_length: Given | None = None,
-            marker: Point | str | None = None,
-            marker_radius: float = MARKER_RADIUS,
-            marker_angle: Given | None = None,
-            cam_speed: Given | None = None,
-            first_angle: Given | None = None,
-            dwell: tuple[float, float] | str | None = None,
-            free_decay: bool = False,
-            first_frame: int = 0,
-            last_frame: int | None = None,
-        ) -> None: ...
-
     def __post_init__(self) -> None:
-        keep_si(
-            self,
-            "a film",
-            frame_rate="frequency",
-            scale_length="length",
-            marker_angle="angle",
-            cam_speed="cam_speed",
-            first_angle="angle",
-        )
-        for name, count in (("line", 4), ("scale_points", 4), ("marker", 2)):
-            if (points := getattr(self, name)) is not None:
-                object.__setattr__(self, name, _points(points, name, count))
-        if self.dwell is not None:
-            object.__setattr__(self, "dwell", _window(self.dwell))
-        if self.seat not in ("", *SEAT_ENDS):
-            raise InputError(
-                f"the seat is at the start or the end of the line, not at '{self.seat[:40]}'; say which",
-                "seat",
-            )
         if (self.scale_points is None) != (self.scale_length is None):
-            raise InputError("a scale is two points and their distance; give both", "scale_points")
+            raise problem("a scale is two points and their distance; give both")
         if self.scale_length is not None and not 0 < self.metres_per_pixel < 1.0:
-            raise InputError(
-                "the two points of the scale are the same or their distance is not positive; correct them",
-                "scale_points",
+            raise problem(
+                "the two points of the scale are the same or their distance is not positive; correct them"
             )
-        for name, low in (("frame_rate", 1.0), ("cam_speed", 1e-3)):
-            value = getattr(self, name)
-            if value is not None and not low <= value <= 1e7:
-                raise InputError(f"no film has a {name} of {value:g} in SI units; correct it", name)
         last = self.last_frame
         if self.first_frame < 0 or (last is not None and last < self.first_frame):
-            raise InputError(
-                f"frames {self.first_frame} to {last} are none; count from 0, the first one first",
-                "first_frame",
+            raise problem(
+                f"frames {self.first_frame} to {last} are none; count from 0, the first one first"
             )
 
     @property
@@ -140,37 +127,3 @@ class FilmSetup:
             return 0.0
         apart = math.dist(*self.scale_points)
         return self.scale_length / apart if apart > 0 else 0.0
-
-
-def _points(given: Any, name: str, count: int) -> tuple[Any, ...]:
-    """A point, or two, of as many numbers: nested as a :class:`SightLine` takes them."""
-    try:
-        parts = given.split(",") if isinstance(given, str) else given
-        numbers = np.array(parts, dtype=float).ravel()
-    except (TypeError, ValueError):
-        numbers = np.empty(0)
-    if len(numbers) != count or not (np.abs(numbers) < 1e6).all():
-        raise InputError(
-            f"{name} is {count} numbers of pixels, such as '{', '.join(['12, 5', '12, 205'][: count // 2])}', not '{str(given)[:40]}'; correct it",
-            name,
-        )
-    points = [tuple(point) for point in numbers.reshape(-1, 2).tolist()]
-    return tuple(points) if count == 4 else points[0]
-
-
-def _window(given: Any) -> tuple[float, float]:
-    """Two cam angles (rad) in order, within a turn."""
-    try:
-        if isinstance(given, str):
-            begin, end = parse_quantities(given.replace(":", ","), "angle", "dwell")
-            end += math.tau * (end < begin)
-        else:
-            begin, end = (float(value) for value in given)
-    except (TypeError, ValueError):
-        begin = end = 0.0
-    if not 0 < end - begin < 6.283 or not abs(end) < 1e6:
-        raise InputError(
-            f"'{str(given)[:40]}' is no window; give two angles less than a turn apart, such as '170:350 deg'",
-            "dwell",
-        )
-    return begin, end

@@ -5,25 +5,25 @@ Its parts are the resonance of the mounting and an analog low-pass.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy import signal
 
 from valvetrain.errors import InputError
-from valvetrain.units import Given, keep_si
+from valvetrain.parameters.schema_types import Table, problem, quantity, table
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Filter = Literal["butterworth", "bessel"]
-#: Order of the low-pass at most, steps in the shortest period of the gauge, steps of a trace at most.
-MAX_ORDER, STEPS, MAX_STEPS = 8, 40, 20_000_000
+GaugeFrequency = Annotated[float, quantity("frequency", low=0.0, high=1e15, open_low=True)]
+#: Steps in the shortest period of the gauge, steps of a trace at most.
+STEPS, MAX_STEPS = 40, 20_000_000
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sensor:
+@table("the gauge")
+class Sensor(Table):
     """Sensor model of a gauge; every part that is left out is ideal.
 
     Parameters
@@ -42,41 +42,17 @@ class Sensor:
     0.92
     """
 
-    bandwidth: Given | None = None
-    order: int = 4
-    filter: Filter = "butterworth"
+    bandwidth: GaugeFrequency | None = None
+    order: Annotated[int, Field(ge=1, le=8)] = 4
+    filter: Literal["butterworth", "bessel"] = "butterworth"
     zero_phase: bool = False
-    natural_frequency: Given | None = None
-    damping_ratio: float = 0.0
+    natural_frequency: GaugeFrequency | None = None
+    damping_ratio: Annotated[float, quantity("ratio", low=0.0, high=2.0)] = 0.0
 
     def __post_init__(self) -> None:
-        keep_si(self, "the gauge", bandwidth="frequency", natural_frequency="frequency")
-        for name in ("bandwidth", "natural_frequency"):
-            frequency = getattr(self, name)
-            if frequency is not None and not 0 < frequency < 1e15:
-                raise InputError(
-                    f"{name} of {frequency:g} Hz is none of a gauge; give it above zero", name
-                )
-        if isinstance(self.order, bool) or self.order not in range(1, MAX_ORDER + 1):
-            raise InputError(
-                f"order is a whole number from 1 to {MAX_ORDER}, not {str(self.order)[:20]}; correct it",
-                "order",
-            )
-        if self.filter not in ("butterworth", "bessel"):
-            raise InputError(
-                f"filter is butterworth or bessel, not '{str(self.filter)[:20]}'; give one of them",
-                "filter",
-            )
-        damping = self.damping_ratio
-        if isinstance(damping, bool) or not isinstance(damping, (int, float)) or not 0 <= damping <= 2:  # fmt: skip
-            raise InputError(
-                f"damping_ratio is a number from 0 to 2, not {str(damping)[:20]}; correct it",
-                "damping_ratio",
-            )
-        if self.natural_frequency is not None and not damping > 0:
-            raise InputError(
-                "a resonance without damping rings for ever; give its damping_ratio, such as 0.02",
-                "damping_ratio",
+        if self.natural_frequency is not None and not self.damping_ratio > 0:
+            raise problem(
+                "a resonance without damping rings for ever; give its damping_ratio, such as 0.02"
             )
 
     def response(self, time: Array, values: Array, periodic: bool = False) -> Array:
@@ -101,13 +77,13 @@ class Sensor:
         """
         stages: list[tuple[Complex, bool]] = []
         if self.natural_frequency is not None:
-            omega, damping = 2 * np.pi * float(self.natural_frequency), float(self.damping_ratio)
+            omega, damping = 2 * np.pi * self.natural_frequency, self.damping_ratio
             # a double pole is split by a negligible amount
             root = np.sqrt(complex(damping**2 - 1)) or 1e-6
             pair = [omega * (root - damping), -omega * (root + damping)]
             stages.append((np.array(pair, dtype=np.complex128), False))
         if self.bandwidth is not None:
-            edge = 2 * np.pi * float(self.bandwidth)
+            edge = 2 * np.pi * self.bandwidth
             if self.filter == "bessel":
                 poles = signal.bessel(self.order, edge, analog=True, norm="mag", output="zpk")[1]
             else:
@@ -129,7 +105,7 @@ class Sensor:
                 "time",
             )
         span = float(time[-1] - time[0])
-        highest = max(float(self.bandwidth or 0.0), float(self.natural_frequency or 0.0))
+        highest = max(self.bandwidth or 0.0, self.natural_frequency or 0.0)
         finest = min(float(np.min(steps)), 1 / (STEPS * highest) if highest else np.inf)
         even = float(np.max(np.abs(steps * (len(time) - 1) / span - 1))) < 1e-6
         share = int(np.ceil(span / (len(time) - 1) / finest - 1e-9))

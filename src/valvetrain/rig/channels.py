@@ -6,41 +6,46 @@ All questions that the file and the user leave open are listed in one sentence.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.tables import UNIT_NAMES
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.schema_types import (
+    Angle,
+    Angles,
+    Table,
+    problem,
+    quantities,
+    table,
+)
+from valvetrain.parameters.schema_types import (
+    quantity as amount,
+)
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import (
     DIMENSIONS,
-    Given,
     dimension_of,
     parse_quantity,
-    si,
-    si_each,
     unit_factor,
 )
 
 Array = NDArray[np.float64]
 #: How the question of the dwell reads in a refusal.
 DWELL = "the dwell in which the zero is taken, such as '-30, 30 deg'"
-#: Bounds of whole numbers.
-_BOUNDS = {"teeth": (1, 100_000), "missing": (0, 10), "angle_count": (8, 28_800)}
-#: Dimensions of amounts; dimension and example of what has two ends.
-_AMOUNTS = {"band": "frequency", "sampling_rate": "frequency", "offset": "angle"}
-_ENDS = {"dwell": ("angle", "-30, 30 deg"), "span": ("time", "2, 5 s")}
+RigFrequency = Annotated[float, amount("frequency", low=0.0, high=1e9, open_low=True)]
 
 
-@dataclass(frozen=True, kw_only=True)
-class RigAnswers:
+@table("the recording")
+class RigAnswers(Table):
     """Answers to what a recording leaves open; what is empty is left to the file.
 
     Parameters
@@ -77,57 +82,29 @@ class RigAnswers:
     pulses: str = ""
     index: str = ""
     once: str = ""
-    angle_of: str = ""
-    teeth: int | None = None
-    missing: int = 0
+    angle_of: Literal["", "cam", "crank"] = ""
+    teeth: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    missing: Annotated[int, Field(ge=0, le=10)] = 0
     units: Mapping[str, str] = FrozenMapping()
     calibration: Mapping[str, str] = FrozenMapping()
     zero: Mapping[str, str] = FrozenMapping()
-    dwell: Sequence[Given] | str | None = None
-    band: Given | None = None
-    angle_count: int | None = None
-    offset: Given | None = None
-    sampling_rate: Given | None = None
-    span: Sequence[Given] | str | None = None
+    dwell: Angles | None = None
+    band: RigFrequency | None = None
+    angle_count: Annotated[int, Field(ge=8, le=28_800)] | None = None
+    offset: Angle | None = None
+    sampling_rate: RigFrequency | None = None
+    span: Annotated[tuple[float, ...], quantities("time")] | None = None
     keep_outliers: bool = False
 
     def __post_init__(self) -> None:
-        if self.angle_of not in ("", "cam", "crank"):
-            raise InputError(
-                f"angle_of is cam or crank, not '{str(self.angle_of)[:40]}'; give one of them",
-                "angle_of",
-            )
-        for name, (low, high) in _BOUNDS.items():
-            value = getattr(self, name)
-            if value is not None and (
-                isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high
-            ):
-                raise InputError(
-                    f"{name} is a whole number from {low} to {high}, not {str(value)[:40]}; correct it",
-                    name,
-                )
-        for name, dimension in _AMOUNTS.items():
-            if (value := getattr(self, name)) is not None:
-                amount = si(value, dimension, name)
-                if dimension == "frequency" and not 0 < amount < 1e9:
-                    raise InputError(
-                        f"{name} of {amount:g} Hz is none of a rig; give it above zero", name
-                    )
-                object.__setattr__(self, name, amount)
-        for name, (dimension, example) in _ENDS.items():
-            if (value := getattr(self, name)) is not None:
-                ends = si_each(value, dimension, name)
-                if len(ends) != 2:
-                    raise InputError(f"the {name} has two ends, first and last: '{example}'", name)
-                if name == "span" and not ends[0] < ends[1]:
-                    raise InputError(
-                        "the span ends before it begins; give first and last time", name
-                    )
-                object.__setattr__(self, name, ends)
+        for name, example in (("dwell", "-30, 30 deg"), ("span", "2, 5 s")):
+            if (ends := getattr(self, name)) is not None and len(ends) != 2:
+                raise problem(f"the {name} has two ends, first and last: '{example}'")
+        if self.span is not None and not self.span[0] < self.span[1]:
+            raise problem("the span ends before it begins; give first and last time")
         if self.teeth is not None and self.missing >= self.teeth:
-            raise InputError(
-                f"{self.missing} missing teeth of {self.teeth} leave none; teeth counts those that are missing too",
-                "missing",
+            raise problem(
+                f"{self.missing} missing teeth of {self.teeth} leave none; teeth counts those that are missing too"
             )
 
 
@@ -387,7 +364,7 @@ def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[flo
 
 def _sampling_rate(recording: Recording, answers: RigAnswers) -> float:
     """Sampling rate (1/s) that the user or the file gives; 0 where neither does."""
-    if isinstance(answers.sampling_rate, float):
+    if answers.sampling_rate is not None:
         return answers.sampling_rate
     names = ("fs", "sampling_rate", "sample_rate")
     rates = (value for name, value in recording.scalars.items() if name.lower() in names)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from valvetrain.parameters.card_doubts import doubtful_turns
 from valvetrain.parameters.constructors import RAMP, TEXTBOOK_TURNS, pitch_with_closed_turns
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import Material, material_by_name
+from valvetrain.parameters.schema_types import Mass, Table, problem, quantity, table
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.units import Given, keep_si
 
@@ -49,8 +50,11 @@ class SpringLoad:
             )
 
 
-@dataclass(frozen=True, kw_only=True)
-class CatalogueCard:
+CardLength = Annotated[float, quantity("length", low=1e-6, high=1e3)]
+
+
+@table("the card")
+class CatalogueCard(Table):
     """A spring with closed and ground ends by its catalogue card.
 
     Parameters
@@ -74,89 +78,35 @@ class CatalogueCard:
     40000
     """
 
-    wire_diameter: float
-    outer_diameter: float
+    wire_diameter: CardLength
+    outer_diameter: CardLength
     installed_load: SpringLoad
     open_load: SpringLoad
-    top_outer_diameter: float | None = None
-    taper_from_coil: float | None = None
-    solid_height: float | None = None
-    mass: float | None = None
-    free_length: float | None = None
-    total_coils: float | None = None
+    top_outer_diameter: CardLength | None = None
+    taper_from_coil: Annotated[float, quantity("ratio", low=0.0, high=1e3)] | None = None
+    solid_height: CardLength | None = None
+    mass: Mass | None = None
+    free_length: CardLength | None = None
+    total_coils: Annotated[float, quantity("ratio", low=1e-6, high=1e3)] | None = None
     material: Material | None = None
     name: str = "spring"
 
-    if TYPE_CHECKING:  # accepted types are wider than the stored one
-
-        def __init__(
-            self,
-            *,
-            wire_diameter: Given,
-            outer_diameter: Given,
-            installed_load: SpringLoad,
-            open_load: SpringLoad,
-            top_outer_diameter: Given | None = None,
-            taper_from_coil: float | None = None,
-            solid_height: Given | None = None,
-            mass: Given | None = None,
-            free_length: Given | None = None,
-            total_coils: float | None = None,
-            material: Material | None = None,
-            name: str = "spring",
-        ) -> None: ...
-
     def __post_init__(self) -> None:
-        keep_si(
-            self,
-            f"the card of '{self.name}'",
-            wire_diameter="wire_diameter",
-            outer_diameter="mean_diameter",
-            top_outer_diameter="mean_diameter",
-            solid_height="spring_length",
-            mass="mass",
-            free_length="spring_length",
-        )
-        for key in (
-            "wire_diameter",
-            "outer_diameter",
-            "top_outer_diameter",
-            "solid_height",
-            "mass",
-            "free_length",
-            "total_coils",
-            "taper_from_coil",
-        ):
-            value, least = getattr(self, key), 0.0 if key == "taper_from_coil" else 1e-6
-            if value is not None and not (isinstance(value, (int, float)) and least <= value < 1e3):
-                raise InputError(
-                    f"{key} of a card is a positive number of usual size; it is {str(value)[:40]}",
-                    key,
-                )
-        for key in ("installed_load", "open_load"):
-            if not isinstance(getattr(self, key), SpringLoad):
-                raise InputError(f"{key} of a card is a SpringLoad of a height and a force", key)
         low, high = self.installed_load, self.open_load
         if not (low.height > high.height and high.force > low.force):
-            raise InputError(
-                "the second load of a card is the larger one, at the smaller height; exchange or correct them",
-                "open_load",
+            raise problem(
+                "the second load of a card is the larger one, at the smaller height; exchange or correct them"
             )
         if self.solid_height is not None and self.solid_height >= high.height:
-            raise InputError(
-                "the solid height is above that of the second load; correct one of them",
-                "solid_height",
-            )
+            raise problem("the solid height is above that of the second load; correct one of them")
         if self.free_length is not None and self.free_length <= low.height:
-            raise InputError(
-                "the free length is no longer than the height of the first load; correct one of them",
-                "free_length",
+            raise problem(
+                "the free length is no longer than the height of the first load; correct one of them"
             )
         for key in ("outer_diameter", "top_outer_diameter"):
             if (coil := getattr(self, key)) is not None and coil < 3 * self.wire_diameter:
-                raise InputError(
-                    f"{key} is less than three wires, an index below 2; check both and their units",
-                    key,
+                raise problem(
+                    f"{key} is less than three wires, an index below 2; check both and their units"
                 )
 
     @property
