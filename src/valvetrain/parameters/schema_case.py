@@ -156,6 +156,14 @@ def _key(law: LiftModel, folder: Path) -> _Key | None:
 CoilNumber = Annotated[float, quantity("ratio", low=0.0)]
 
 
+#: What a lift law lends to the train: its name there, table and key of the train, keys that go before it.
+_LENT: tuple[tuple[str, str, str, set[str]], ...] = (
+    ("lash", "", "lash", {"lash"}),
+    ("rocker_ratio", "lever", "ratio", {"ratio", "valve_arm"}),
+    ("dead_centre", "crank", "top_dead_centre", {"top_dead_centre", "lobe_centre"}),
+)
+
+
 class CaseModel(StrictModel):
     """The whole file."""
 
@@ -186,27 +194,15 @@ class CaseModel(StrictModel):
         """A train with the ``lash``, ``rocker_ratio`` and dead centre of its lift law where it gives none. Another lash in
         the train is one that was set beside the card's, for which the cam is cut.
         """
-        law = info.data.get("lift_law")
-        if not isinstance(raw, dict) or law is None:
+        if not isinstance(raw, dict):
             return raw
-        train, lever, crank = dict(raw), raw.get("lever"), raw.get("crank")
-        lash, ratio, top = (
-            getattr(law, name, None) for name in ("lash", "rocker_ratio", "dead_centre")
-        )
-        if lash is not None:
-            train.setdefault("lash", PlainNumber(lash))
-        if (
-            ratio is not None
-            and isinstance(lever, dict)
-            and not {"ratio", "valve_arm"} & lever.keys()
-        ):
-            train["lever"] = {**lever, "ratio": PlainNumber(ratio)}
-        if (
-            top is not None
-            and isinstance(crank, dict)
-            and not {"top_dead_centre", "lobe_centre"} & crank.keys()
-        ):
-            train["crank"] = {**crank, "top_dead_centre": PlainNumber(top)}
+        train = dict(raw)
+        for name, part, key, given in _LENT:
+            value = getattr(info.data.get("lift_law"), name, None)
+            table = train.get(part) if part else train
+            if value is not None and isinstance(table, dict) and not given & table.keys():
+                lent = {**table, key: PlainNumber(value)}
+                train = train | {part: lent} if part else lent
         return train
 
     def _law(self) -> LiftModel | None:
