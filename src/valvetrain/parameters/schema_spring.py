@@ -250,53 +250,56 @@ class SpringCardModel(StrictModel):
 
     def _rate(self, preload_height: float | None) -> tuple[float, float | None]:
         """Rate (N/m) and the lift (m) from the preload to the open load, where it is specified."""
-        rate, load, lift = self.rate, self.open_load, self.open_lift
-        if self.open_height is not None:
-            if lift is not None:
-                raise problem(
-                    "open_lift and open_height are both given and may contradict; give one",
-                    ("open_height",),
-                )
-            if preload_height is None:
-                raise problem(
-                    "open_height needs the height of the preload; add installed_height",
-                    ("open_height",),
-                )
-            if self.open_height >= preload_height:
-                raise problem(
-                    f"open_height is not below that of the preload ({preload_height * 1e3:.4g} mm); check both",
-                    ("open_height",),
-                )
-            lift = preload_height - self.open_height
-        from_loads = None if load is None or lift is None else (load - self.preload) / lift
-        if from_loads is not None and from_loads <= 0:
+        load, lift = self.open_load, self._lift(preload_height)
+        by_loads = None if load is None or lift is None else (load - self.preload) / lift
+        if by_loads is not None and by_loads <= 0:
             raise problem(
                 "open_load does not exceed preload, so the rate would not be positive; check both",
                 ("open_load",),
             )
-        if rate is None and from_loads is None:
-            rate = self._from_free(preload_height)
-        if rate is None and from_loads is None:
+        if self.rate is not None:
+            if self.free_length is not None:
+                self.refuse_free_length()
+            if by_loads is not None and abs(by_loads / self.rate - 1) > 0.02:
+                raise problem(
+                    f"rate {self.rate / 1e3:g} N/mm contradicts the loads, which make {by_loads / 1e3:.4g} N/mm; correct one of them",
+                    ("rate",),
+                )
+            return self.rate, lift
+        by_free = self._from_free(preload_height)
+        if by_loads is None and by_free is None:
             raise problem(
                 "the rate is missing; give rate, or open_load and open_lift or open_height, or free_length"
             )
-        if self.free_length is not None and self.rate is not None:
-            self.refuse_free_length()
-        elif self.free_length is not None and from_loads is not None:
-            by_free = self._from_free(preload_height)
-            if by_free is not None and abs(by_free / from_loads - 1) > 0.05:
-                warnings.warn(
-                    f"the loads of a spring make {from_loads / 1e3:.4g} N/mm, its free length and preload {by_free / 1e3:.4g} N/mm: "
-                    "it is progressive, or a number is wrong; the rate of the loads is taken",
-                    UnusualValueWarning,
-                    stacklevel=2,
-                )
-        if rate is not None and from_loads is not None and abs(from_loads / rate - 1) > 0.02:
-            raise problem(
-                f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them",
-                ("rate",),
+        if by_loads is not None and by_free is not None and abs(by_free / by_loads - 1) > 0.05:
+            warnings.warn(
+                f"the loads of a spring make {by_loads / 1e3:.4g} N/mm, its free length and preload {by_free / 1e3:.4g} N/mm: "
+                "it is progressive, or a number is wrong; the rate of the loads is taken",
+                UnusualValueWarning,
+                stacklevel=2,
             )
-        return (rate if rate is not None else from_loads or 0.0), lift
+        return by_loads or by_free or 0.0, lift
+
+    def _lift(self, preload_height: float | None) -> float | None:
+        """Lift (m) from the preload to the open load, as given or by the heights of both."""
+        if self.open_height is None:
+            return self.open_lift
+        if self.open_lift is not None:
+            raise problem(
+                "open_lift and open_height are both given and may contradict; give one",
+                ("open_height",),
+            )
+        if preload_height is None:
+            raise problem(
+                "open_height needs the height of the preload; add installed_height",
+                ("open_height",),
+            )
+        if self.open_height >= preload_height:
+            raise problem(
+                f"open_height is not below that of the preload ({preload_height * 1e3:.4g} mm); check both",
+                ("open_height",),
+            )
+        return preload_height - self.open_height
 
     def refuse_free_length(self) -> None:
         """Refuse a free length where the rate is given already."""
