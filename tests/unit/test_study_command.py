@@ -165,6 +165,18 @@ def test_values_that_are_listed_are_run_as_they_are_listed():
     assert len(_plan(f"points = {{ count = 20 }}{LISTED}{SECOND}").draws()) == 20
 
 
+def test_the_answer_is_in_the_units_of_the_reader_and_its_files_are_not(tmp_path, monkeypatch):
+    """Values that were varied are converted as outputs are."""
+    monkeypatch.chdir(tmp_path)
+    text = 'rest_model = "massless"\n' + LISTED
+    Path("rest.toml").write_text(text)
+    shown = call("study", "rest.toml", "--workers", "1", "--units", "imperial")
+    assert "lbf" in shown.stdout and " in" in shown.stdout and "7 mm" not in shown.stdout
+    data = json.loads(Path("runs/study/rest/study.json").read_text())
+    assert data["units"]["preload"] == "N"
+    assert data["rows"][0]["preload"] == vt.study(text, workers=1).values[0, 0]
+
+
 def test_the_number_of_workers_moves_no_bit():
     one, two = table_of(3), table_of(3, 2)
     assert np.array_equal(one.values, two.values, equal_nan=True) and one.statuses == two.statuses

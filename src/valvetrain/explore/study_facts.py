@@ -27,15 +27,13 @@ PUT_IN = ("preload", "installed_", "coil_bind_clearance", *BY_SIZE)
 #: Standard deviations of a 95 % interval, and spread over the size of the mean below which nothing varies.
 SIGMAS, NO_SPREAD = 1.96, 1e-9
 PERCENTILES = (5.0, 50.0, 95.0)
-#: Percentiles below and above which the ends of a varied quantity are.
-FIFTHS = (20.0, 80.0)
 
 
 @dataclass(frozen=True)
 class Effect:
     """The ``share`` of an output's variance that a varied quantity brings, its 95 % interval (``low``, ``high``), whether
-    the output ``rises`` with it (1), falls (-1) or neither (0), and its ``change`` (SI): the mean over the highest fifth of
-    the quantity less that over the lowest.
+    the output ``rises`` with it (1), falls (-1) or neither (0), and its ``change`` (SI) along a straight line over the range of
+    the quantity.
     """
 
     varied: Varied
@@ -233,16 +231,16 @@ class StudyFacts(Subject):
         for k in self.changing:
             x = table.inputs[rows][there, k]
             ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (x, y)]
+            both = np.cov(x, y)
             with np.errstate(
                 invalid="ignore"
             ):  # of a stopped study a quantity may not have moved yet
                 r = float(np.nan_to_num(np.atleast_2d(np.corrcoef(ranks))[0, 1]))
+                change = float(np.nan_to_num(both[0, 1] / both[0, 0]) * np.ptp(x))
             half = SIGMAS / np.sqrt(len(y) - 3)
             ends = np.tanh(np.arctanh(np.clip(r, -0.999999, 0.999999)) + np.array([-half, half]))
             rises = int(np.sign(r)) if ends[0] * ends[1] > 0 else 0
             low, high = np.sort(ends**2).tolist()
-            least, most = np.percentile(x, FIFTHS)
-            change = float(y[x >= most].mean() - y[x <= least].mean())
             one = Effect(table.plan.varied[k], r * r, low if rises else 0.0, high, rises, change)
             if sobol:
                 low, high = sobol[0].total_interval[k].tolist()
