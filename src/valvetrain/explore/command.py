@@ -70,8 +70,9 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     from valvetrain.runs.run_folders import ROOT, safe_name
     from valvetrain.session import call_case
 
-    plan = request.plan  # what is wrong with the file is said first
     folder = request.output or ROOT / request.command / safe_name(Path(request.file).stem)
+    request = replace(request, output=folder / POINTS)
+    plan = request.plan  # what is wrong with the file is said first
     stored = f"finished points are stored in '{folder / POINTS}'"
 
     def announce(text: str, seconds: float) -> None:
@@ -84,8 +85,7 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     result: Any = None
     try:
         with progress_bar(plan.title) as report:
-            execution = replace(request, output=folder / POINTS)
-            result = request.compute(execution, Watch(report, announce, "--limit "))
+            result = request.compute(Watch(report, announce, "--limit "))
     except Interrupted as cut:
         result = cut.result
     except KeyboardInterrupt:

@@ -51,7 +51,7 @@ class FileRequest(Execution, ABC):
         """What the file plans."""
 
     @abstractmethod
-    def compute(self, execution: Execution, watch: Watch) -> Any:
+    def compute(self, watch: Watch) -> Any:
         """The result of the plan."""
 
 
@@ -80,11 +80,11 @@ class Study(FileRequest):
 
         return read_plan(self.text)
 
-    def compute(self, execution: Execution, watch: Watch) -> StudyTable:
+    def compute(self, watch: Watch) -> StudyTable:
         """The table of the plan."""
         from valvetrain.explore.study import run_plan
 
-        return run_plan(self.plan, execution, watch)
+        return run_plan(self.plan, self, watch)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,11 +114,11 @@ class Optimise(FileRequest):
 
         return read_optimum(self.text)
 
-    def compute(self, execution: Execution, watch: Watch) -> Optimum:
+    def compute(self, watch: Watch) -> Optimum:
         """The search of the plan."""
         from valvetrain.explore.optimise import run_search
 
-        return run_search(self.plan, execution, watch)
+        return run_search(self.plan, self, watch)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,11 +162,11 @@ class Identify(FileRequest):
         )
         return replace(plan, search=search)
 
-    def compute(self, execution: Execution, watch: Watch) -> Identified:
+    def compute(self, watch: Watch) -> Identified:
         """What the plan identifies."""
         from valvetrain.explore.identify import run_identification
 
-        return run_identification(self.plan, execution, watch)
+        return run_identification(self.plan, self, watch)
 
 
 @shows_progress("study")
@@ -212,8 +212,7 @@ def study(
     >>> bool(table.column("peak_spring_force")[1] > table.column("peak_spring_force")[0])
     True
     """
-    request = Study.read({"file": file, **options})
-    return request.compute(request, Watch(progress or silent))
+    return Study.read({"file": file, **options}).compute(Watch(progress or silent))
 
 
 @shows_progress("optimise")
@@ -257,8 +256,7 @@ def optimise(
     >>> round(1e3 * float(found.best.trial.values[0]), 1)
     6.0
     """
-    request = Optimise.read({"file": file, **options})
-    return request.compute(request, Watch(progress or silent))
+    return Optimise.read({"file": file, **options}).compute(Watch(progress or silent))
 
 
 @shows_progress("identify")
@@ -310,7 +308,7 @@ def identify(
     watch = Watch(progress or silent)
     if not isinstance(quantities, Mapping):
         request = Identify.read({"file": quantities, "search": search, **options})
-        return request.compute(request, watch)
+        return request.compute(watch)
     if evaluate is None:
         raise InputError(
             "a computation is missing; give evaluate, or the path of an identification file"
