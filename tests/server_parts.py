@@ -18,7 +18,7 @@ from pathlib import Path
 
 from valvetrain.workbench.job_process import write_inputs
 from valvetrain.workbench.jobs import JobRequest
-from valvetrain.workbench.requests import request_json
+from valvetrain.workbench.requests import STORED
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, wait_for
 
@@ -192,12 +192,12 @@ def filled(folder: Path) -> Path:
 
 def queue(folder: Path, name: str) -> None:
     """Put a job into the queue, as a page does."""
-    workspace, request = Workspace(folder), JobRequest("run", "small", ("massless",))
+    workspace, request = Workspace(folder), JobRequest("run", "small", {"models": ["massless"]})
     write_inputs(workspace, name, request, workspace.text("small"))
     with workspace.store.connected() as base:
         base.execute(
             "INSERT INTO jobs (id, case_name, kind, request, state, created_at) VALUES (?, ?, ?, ?, 'queued', ?)",
-            (name, request.case, request.kind, request_json(request), time.time()),
+            (name, request.case, request.kind, STORED.dump_json(request).decode(), time.time()),
         )
 
 

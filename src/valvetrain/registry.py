@@ -66,8 +66,8 @@ BUILT_IN["commands"] = {
     "new": "valvetrain.explore.new_command:register_new",
     "cases": "valvetrain.cli.cases:register_cases",
     "check": "valvetrain.cli.cases:register_check",
-    "findings": "valvetrain.cli.findings:register",
-    "quantities": "valvetrain.cli.quantities:register",
+    "findings": "valvetrain.cli.definitions:register_findings",
+    "quantities": "valvetrain.cli.definitions:register_quantities",
     "serve": "valvetrain.workbench.command:register",
 }
 BUILT_IN["springs"] = {

@@ -56,7 +56,7 @@ def finished(bench) -> str:
     page.wait_for_url(f"**/case/{CASE}")
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     if LONG:
-        page.locator("#model-finite-element").check()
+        page.locator("#models-finite-element").check()
     page.get_by_role("button", name="Run", exact=True).click()
     page.wait_for_selector(".results[data-shown]", timeout=600_000 if LONG else 60_000)
     run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
@@ -143,8 +143,8 @@ def test_what_is_being_typed_outlives_the_answer_to_the_field_before(bench, page
 
 def test_a_reload_and_another_tab_find_the_job_which_is_then_cancelled(bench, page, finished):
     open_case(bench, page)
-    page.locator("#model-multi-mass").uncheck()
-    page.locator("#model-finite-element").check()
+    page.locator("#models-multi-mass").uncheck()
+    page.locator("#models-finite-element").check()
     page.get_by_label("Engine speeds (crank)").fill("4200, 5600, 8000 rpm")
     page.get_by_role("button", name="Run", exact=True).click()
     page.wait_for_selector(".job progress")
@@ -191,7 +191,7 @@ def test_two_runs_are_compared(bench, page, finished):
     field.press("Enter")
     for box in page.locator(".models input:checked").all():
         box.uncheck()
-    page.locator("#model-multi-mass").check()
+    page.locator("#models-multi-mass").check()
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     page.get_by_role("button", name="Run", exact=True).click()
     page.wait_for_function(

@@ -46,10 +46,10 @@ def finished(bench) -> str:
         open_case(bench, page, TRAIN)
         for box in page.locator(".models input:checked").all():
             box.uncheck()
-        page.locator("#model-massless").check()
+        page.locator("#models-massless").check()
         page.get_by_label("stock", exact=True).uncheck()
         page.wait_for_function(
-            "document.getElementById('order-refusal').textContent.includes('no spring set is chosen')"
+            "document.getElementById('order-refusal').textContent.includes('o spring sets are chosen')"
         )
         page.get_by_label("performance", exact=True).check()
         page.get_by_label("Engine speeds (crank)").fill("3000 rpm")

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from valvetrain.errors import InputError
 from valvetrain.workbench.edits import read_change, with_value
 from valvetrain.workbench.form import CaseForm
-from valvetrain.workbench.safety import Guard
+from valvetrain.workbench.pages.guard import Guard
 from valvetrain.workbench.settings import ServeSettings
 from valvetrain.workbench.store import case_name, inside
 from valvetrain.workbench.supervisor import read_progress

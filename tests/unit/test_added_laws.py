@@ -154,7 +154,7 @@ assert re.search(rf"mean spring force +{found['value']:.3g}", terminal), termina
 workspace = Workspace(Path.cwd())
 run = next(run for run in workspace.runs() if run.command == "run")
 assert run.answer["runs"][0]["quantities"]["mean_spring_force"]["unit"] == "N", run.answer
-assert "mean_spring_force" in {one["name"] for one in outputs_for(read_case(Path("own-case.toml")))}
+assert "mean_spring_force" in {one["value"] for one in outputs_for(read_case(Path("own-case.toml")))}
 """
 
 

@@ -11,6 +11,7 @@ from synthetic_study import train_study
 from valvetrain.cam.cam_card import CamCard
 from valvetrain.cli.case_facts import case_quantities
 from valvetrain.errors import InputError
+from valvetrain.findings.rules_case import CaseFacts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.valve_events import closing_ramp
@@ -22,6 +23,7 @@ from valvetrain.solution.critical import (
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
+from valvetrain.views.case_answer import CaseAnswer
 
 RPM = math.pi / 30
 
@@ -47,9 +49,8 @@ def test_a_case_states_its_red_line_in_crank_speed():
     text = template_text("pushrod").replace('# red_line = "6200 rpm"', 'red_line = "6200 rpm"')
     case = parse_case(text, "v8")
     assert case.operation.red_line == pytest.approx(6200 * RPM) == case.record().red_line
-    from valvetrain.cli.case_facts import case_facts
-
-    assert ("red line", "6200 rpm of the crank") in case_facts(case)
+    answer = CaseAnswer(CaseFacts(case, {}))
+    assert answer.title.endswith("(red line 6200)")
     assert parse_case(template_text("pushrod"), "v8").operation.red_line is None
     with pytest.raises(InputError, match="that is red_line here"):
         parse_case(text.replace("red_line = ", "rated_speed = "), "v8")

@@ -83,7 +83,7 @@ def client(workspace):
 
     from valvetrain.workbench.pages import files
     from valvetrain.workbench.pages.desk import Desk
-    from valvetrain.workbench.safety import Guard
+    from valvetrain.workbench.pages.guard import Guard
     from valvetrain.workbench.settings import ServeSettings
 
     app, bounds = FastAPI(), ServeSettings(most_body=200_000)

@@ -21,7 +21,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.runs.cost import Limits
 from valvetrain.workbench import job_process
 from valvetrain.workbench.jobs import JobRequest, Jobs
-from valvetrain.workbench.requests import check_request, command_arguments, request_json, request_of
+from valvetrain.workbench.requests import STORED
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, lives, stand_in, wait_for
 
@@ -108,7 +108,7 @@ def test_a_cancelled_job_leaves_no_process_and_keeps_what_it_finished(workspace,
 
 def test_the_longest_time_ends_a_job(workspace, fake):
     fake("sleep")
-    with Jobs(workspace, most_seconds=1.5) as jobs:
+    with Jobs(workspace, limits=Limits(1.5, 4e9)) as jobs:
         found = ended(jobs, jobs.submit(RUN))
         assert not any(map(lives, pids(workspace)))
     assert (
@@ -121,7 +121,7 @@ def test_the_longest_time_ends_a_job(workspace, fake):
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
 def test_the_largest_memory_ends_a_job(workspace, fake):
     fake("hungry")
-    with Jobs(workspace, most_memory=200e6) as jobs:
+    with Jobs(workspace, limits=Limits(3600.0, 200e6)) as jobs:
         found = ended(jobs, jobs.submit(RUN))
         wait_for(lambda: not any(map(lives, pids(workspace))))
     assert found.state == "failed" and "more than 200 MB" in found.error
@@ -182,20 +182,26 @@ def test_nothing_runs_on_when_the_server_is_killed(workspace, fake, tmp_path):
 @pytest.mark.parametrize(
     ("request_of_a_page", "words"),
     [
-        (JobRequest("run", "small", engine_speeds="4000 kg"), "is a mass"),
-        (JobRequest("run", "small", engine_speeds="--output=/tmp"), "engine_speeds"),
-        (JobRequest("run", "small", spring_models=("masless",)), "did you mean"),
-        (JobRequest("run", "small", spring_sets=("x",)), "no spring set"),
-        (JobRequest("exec", "small"), "no kind of job"),  # type: ignore[arg-type]
-        (JobRequest("run", "small", engine_speeds="4000, " * 500 + "1 rpm"), "give a range"),
-        (JobRequest("study", "small", study="x = 1"), "needs outputs"),
+        (JobRequest("run", "small", {"engine_speeds": "4000 kg"}), "is a mass"),
+        (JobRequest("run", "small", {"engine_speeds": "--output=/tmp"}), "engine_speeds"),
+        (JobRequest("run", "small", {"models": ["masless"]}), "did you mean"),
+        (JobRequest("run", "small", {"spring_sets": ["x"]}), "no spring set"),
+        (JobRequest("exec", "small"), "no kind of job"),
+        (JobRequest("run", "small", {"engine_speeds": "4000, " * 500 + "1 rpm"}), "give a range"),
+        (JobRequest("study", "small"), "no quantity to vary"),
+        (
+            JobRequest("study", "small", {"quantity": "spring.mass", "points": "1"}),
+            "outside 2 to 200",
+        ),
+        (JobRequest("run", "small", {"workers": "64"}), "no field of a run"),
+        (JobRequest("run", "small", {"models": []}), "tick one or more"),
         (JobRequest("run", "../small"), "no name of a file"),
-        (JobRequest("sweep", "small", engine_speeds="1:2000000:1 rpm"), "speeds"),
+        (JobRequest("sweep", "small", {"engine_speeds": "1:2000000:1 rpm"}), "speeds"),
         (
             JobRequest(
                 "run",
                 "small",
-                engine_speeds="10:3000:0.5 rpm",
+                {"engine_speeds": "10:3000:0.5 rpm"},
             ),
             "valvetrain serve --limit",
         ),
@@ -216,21 +222,24 @@ def test_no_word_of_a_request_can_be_an_option_of_its_own():
     stands behind the last option.
     """
     evil = "--output=/tmp/x"
-    asked = JobRequest("run", "small", (evil,), evil, (evil,))
-    words = command_arguments(asked, evil, 2, Limits(), evil)
+    given = {"models": [evil], "engine_speeds": evil, "spring_sets": [evil], "implausible": False}
+    asked = JobRequest("run", "small", given)
+    words = asked.command_line(evil, 2, Limits(), evil)
     flags = ("--json", "--limit=", "--workers=", "--model=", "--spring-set=", "--rpm=")
     assert words[0] == "run" and words[-2:] == ["--", evil]
     assert all(word.startswith(flags) for word in words[1:-2])
-    assert request_of(request_json(asked)) == asked
+    assert STORED.validate_json(STORED.dump_json(asked)) == asked
     with pytest.raises(InputError):
-        check_request(asked, parse_case(SMALL, "small"))
+        asked.read(parse_case(SMALL, "small"))
 
 
 def test_a_real_run_is_kept_in_the_workspace_and_answers(workspace, monkeypatch):
     """The command line itself, as a job: its run lies in the run store and its page is read back."""
     monkeypatch.setenv("PYTHONPATH", str(Path(job_process.__file__).parents[2]))
     with Jobs(workspace) as jobs:
-        job_id = jobs.submit(JobRequest("run", "small", ("massless",), "3000, 4000 rpm"))
+        job_id = jobs.submit(
+            JobRequest("run", "small", {"models": ["massless"], "engine_speeds": "3000, 4000 rpm"})
+        )
         wait_for(lambda: jobs.status(job_id).ended, 120.0)
         found = jobs.status(job_id)
     assert (found.state, found.error) == ("finished", "")

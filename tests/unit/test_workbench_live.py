@@ -91,7 +91,7 @@ def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
 
 def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkeypatch):
     results: dict[int, LiveResult] = {}
-    with LiveChain(SMALL, "massless") as chain:
+    with LiveChain(SMALL, spring_model="massless") as chain:
         first = chain.curve()
         assert len(first.force_N) == len(first.angle_deg) == 720
         assert first.engine_speed == pytest.approx(4000)
@@ -134,7 +134,7 @@ def test_a_train_of_cards_has_the_numbers_of_its_run():
     assert answer.model == run.model == "modal-uniform"
     assert answer.quantities["largest force"][0] == pytest.approx(force.max(), rel=1e-3)
     (first,) = (one for one in models_for(parse_case(text)) if one["chosen"])
-    assert first["word"] == run.model
+    assert first["value"] == run.model
 
 
 def test_a_rod_is_ended_by_cancel(monkeypatch):
@@ -157,7 +157,7 @@ def test_a_rod_is_ended_by_cancel(monkeypatch):
 def test_a_worker_ends_with_a_server_that_is_killed():
     code = (
         "import time; from valvetrain.workbench.live import LiveChain; from workbench_parts import SMALL; "
-        "one = LiveChain(SMALL, 'massless'); print(one._chain._process.pid, flush=True); time.sleep(120)"
+        "one = LiveChain(SMALL, spring_model='massless'); print(one._chain._process.pid, flush=True); time.sleep(120)"
     )
     path = os.pathsep.join(str(Path(__file__).parents[1] / name) for name in ("", "../src"))
     server = subprocess.Popen(

@@ -5,58 +5,61 @@ Evidence: the readers of the command line and of study files take what is asked.
 
 from __future__ import annotations
 
-import pytest
-
-from valvetrain.cli.options import read_names
-from valvetrain.errors import InputError
 from valvetrain.explore.requests import Study
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Limits
-from valvetrain.workbench.pages.orders import request_of
-from valvetrain.workbench.requests import (
-    check_request,
-    command_arguments,
-    study_text,
-)
+from valvetrain.workbench.pages.orders import KINDS, orders_for
+from valvetrain.workbench.requests import REQUESTS, JobRequest
 
-WISH = {"kind": "run", "models": ["massless"], "speeds": "2000 rpm"}
-STUDY = WISH | {
-    "kind": "study",
-    "key": "train.lash",
-    "low": "0.1 mm",
-    "high": "0.2 mm",
-    "points": 3,
-    "output": "preload",
-}
+QUANTITY = {
+    "key": "train.lash", "label": "Lash", "group": "Train", "unit": "mm", "value": 0.15, "low": 0.1, "high": 0.2,
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", ["run", "sweep"])
-def test_chosen_sets_reach_the_command_line(kind):
+def test_every_kind_of_job_is_offered_and_what_it_begins_with_is_a_request():
     train = load_case("tdi-pushrod")
-    request = request_of("tdi-pushrod", WISH | {"kind": kind, "sets": ["stock", "performance"]})
-    check_request(request, train)
-    words = command_arguments(request, "case.toml", 1, Limits(1.0, 1e6), "")
-    told = [word.partition("=")[2] for word in words if word.startswith("--spring-set=")]
-    assert read_names(told) == ("stock", "performance")
-    assert not [
-        word
-        for word in command_arguments(
-            request_of("c", WISH | {"sets": None}), "f", 1, Limits(1.0, 1e6), ""
-        )
-        if "spring-set" in word
-    ]
-    with pytest.raises(InputError, match="no spring set is chosen"):
-        request_of("tdi-pushrod", WISH | {"kind": kind, "sets": []})
-    with pytest.raises(InputError, match="no spring set of this case"):
-        check_request(request_of("tdi-pushrod", WISH | {"kind": kind, "sets": ["--json"]}), train)
+    offered = orders_for(train, [QUANTITY])
+    assert {one["kind"] for one in offered["kinds"]} == set(KINDS) == set(REQUESTS)
+    for kind, given in offered["given"].items():
+        typed = {name: value for name, value in given.items() if value != ""}
+        more = {"quantity": "train.lash"} if kind == "study" else {}
+        request = JobRequest(kind, "tdi-pushrod", typed | more).read(train)
+        assert request.command == kind
+        assert getattr(request, "spring_sets", ("stock",)) == ("stock",)
 
 
-def test_chosen_sets_reach_the_study_file(tmp_path):
-    request = request_of("tdi-pushrod", STUDY | {"sets": ["performance"]})
-    check_request(request, load_case("tdi-pushrod"))
+def test_a_choice_of_an_earlier_job_is_offered_again():
+    earlier = [JobRequest("run", "c", {"spring_sets": [name]}) for name in ("performance", "stock")]
+    given = orders_for(load_case("tdi-pushrod"), [], earlier)["given"]
+    assert given["run"]["spring_sets"] == ["performance"]
+
+
+def test_every_field_reaches_the_command_line():
+    given = {
+        "spring_sets": ["stock", "performance"],
+        "resolution": "5 rpm",
+        "ranges": False,
+        "implausible": True,
+    }
+    words = JobRequest("sweep", "c", given).command_line("case.toml", 1, Limits(1.0, 1e6), "")
+    assert words[5:] == [
+        "--spring-set=stock", "--spring-set=performance", "--resolution=5 rpm", "--no-ranges", "--implausible", "--", "case.toml",
+    ]  # fmt: skip
+
+
+def test_a_quantity_of_the_form_reaches_the_study_file(tmp_path):
+    train = load_case("tdi-pushrod")
+    fields = {one["kind"]: one["fields"] for one in orders_for(train, [QUANTITY])["kinds"]}["study"]
+    (_, varied) = next(one["choices"] for one in fields if one["name"] == "quantity")
+    assert varied["sets"] == {"lowest": "0.12 mm", "highest": "0.18 mm"}
+    given = {
+        "quantity": "train.lash",
+        **varied["sets"],
+        "points": "3",
+        "spring_sets": ["performance"],
+    }
+    request = JobRequest("study", "tdi-pushrod", given).read(train)
     path = tmp_path / "study.toml"
-    path.write_text(study_text(request, "tdi-pushrod"), encoding="utf-8")
-    assert 'spring_sets = ["performance"]' in path.read_text("utf-8")
-    assert {chosen for _, _, chosen in Study.read({"file": path}).plan.runs} == {"performance"}
-    with pytest.raises(InputError, match="no spring set is chosen"):
-        request_of("tdi-pushrod", STUDY | {"sets": []})
+    path.write_text(request.file_text("tdi-pushrod"), encoding="utf-8")
+    plan = Study.read({"file": path}).plan
+    assert {chosen for _, _, chosen in plan.runs} == {"performance"}

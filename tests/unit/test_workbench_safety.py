@@ -18,16 +18,12 @@ from typing import Any
 
 import pytest
 
+pytest.importorskip("starlette")
+
 from valvetrain.errors import InputError
-from valvetrain.workbench import safety
-from valvetrain.workbench.safety import (
-    Guard,
-    Rate,
-    check_settings,
-    content_security_policy,
-    new_token,
-)
-from valvetrain.workbench.settings import ServeSettings
+from valvetrain.workbench.pages import guard as safety
+from valvetrain.workbench.pages.guard import Guard, Rate, content_security_policy
+from valvetrain.workbench.settings import ServeSettings, check_settings, new_token
 
 PAGE = b"<html><script>one()</script><script type='module'>two()</script><script src='/x.js'></script></html>"
 OWN = {"host": "127.0.0.1:8420"}
@@ -319,7 +315,7 @@ def test_the_token_is_shown_once_and_a_cookie_stands_for_it(locked):
         "it does not stay in the address"
     )
     mark, *attributes = answer.heads["set-cookie"].split("; ")
-    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes) and TOKEN not in mark
+    assert {"HttpOnly", "SameSite=strict", "Path=/"} <= set(attributes) and TOKEN not in mark
     assert ask(locked, heads=OWN | {"cookie": f"other=1; {mark}"}).status == 200
     own = OWN | {"cookie": mark, "origin": "http://127.0.0.1:8420"}
     assert talk(locked, own)[0]["type"] == "websocket.accept"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import errno
 import shutil
-import sqlite3
 import threading
 import time
 
@@ -132,16 +131,6 @@ def test_a_full_disk_leaves_no_case(workspace, monkeypatch, where):
         assert workspace.new_case("a", "spring") == "a"
         shutil.rmtree(workspace.case_folder("a"))
         monkeypatch.setattr(passing, where, full)
-
-
-def test_a_database_that_cannot_be_written_leaves_no_case(workspace, monkeypatch):
-    def broken(*_, **__):
-        raise sqlite3.OperationalError("database or disk is full")
-
-    monkeypatch.setattr(sqlite3, "connect", broken)
-    with pytest.raises(InputError, match="disk is full"):
-        workspace.new_case("a", "spring")
-    assert not list(workspace.cases_folder.iterdir())
 
 
 def test_what_a_killed_server_was_making_is_no_case(workspace):

@@ -119,14 +119,14 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
         workspace.upload("small.toml", SMALL.encode()),
         f"{{ kind = 'table', file = {json.dumps(file)} }}",
     )
-    study = f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
+    study = {"quantity": "lift_law.file", "lowest": file}
     with Jobs(workspace) as jobs:
         for change in (
             lambda: workspace.parse(name, table),
             lambda: workspace.set_value(name, "lift_law.file", file),
             lambda: workspace.set_value(name, "lift_law", law),
             lambda: read_change(SMALL, "lift_law.file", file),
-            lambda: jobs.submit(JobRequest("study", name, study=study)),
+            lambda: jobs.submit(JobRequest("study", name, study)),
         ):
             with pytest.raises(InputError, match="not next to the case"):
                 change()
@@ -169,12 +169,10 @@ def test_a_table_beside_a_case_is_read_and_goes_with_its_copies(workspace):
 
 def test_cases_are_copied(workspace):
     name = workspace.upload("small.toml", ("name = 'old'\n" + SMALL).encode())
-    workspace.remember(name, "engine_speeds", "4000 rpm")
     assert workspace.read(name).name == "small"
-    assert workspace.remembered(name) == {"engine_speeds": "4000 rpm"}
     assert workspace.upload("small.toml", SMALL.encode()) == "small-2"
     assert workspace.duplicate(name) == "small-3"
-    assert workspace.read("small-3").name == "small-3" and not workspace.remembered("small-3")
+    assert workspace.read("small-3").name == "small-3"
     with pytest.raises(InputError, match="no case 'other'"):
         workspace.text("other")
     assert {card.name for card in workspace.cases()} == {"small", "small-2", "small-3"}

@@ -2,59 +2,55 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from valvetrain.cli.options import (
-    CaseArgument,
-    JsonOption,
-    OpenOption,
-    OutputOption,
-    QuietOption,
-    SetOption,
-    SpringOption,
-    SpringSetOption,
-    name_case,
-    read_engine_speeds,
-    read_models,
-    read_names,
-    take_folder,
-)
+from valvetrain.cli.request import SavedLine, add_command
+from valvetrain.errors import InputError
+from valvetrain.runs.request_fields import option, read_count, read_speeds, read_text
+from valvetrain.runs.requests import SpringRequest
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchesRequest(SpringRequest):
+    """A march of a train up and down through engine speeds."""
+
+    command = "branches"
+
+    engine_speeds: tuple[float, ...] = option(
+        read_speeds, "Speeds of the march: '7000:9700:25 rpm'.", "--rpm", "SPEEDS", default=()
+    )
+    quantity: str = option(
+        read_text,
+        "loft_gap, seating_velocity, float_excess_lift, ...",
+        "--quantity",
+        "NAME",
+        default="loft_gap",
+    )
+    revolutions: int = option(
+        partial(read_count, 1, 10**7),
+        "Cam revolutions of the march at most.",
+        "--revolutions",
+        "N",
+        default="40000",
+    )
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` without a speed."""
+        if not self.engine_speeds:
+            raise InputError("a march needs engine speeds; give --rpm 7000:9700:25", "--rpm")
 
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("branches")(branches)
+    add_command(app, BranchesRequest, SavedLine, branches, limit=None, implausible=None)
 
 
-def branches(
-    case: CaseArgument,
-    engine_speed: Annotated[
-        str,
-        typer.Option("--rpm", metavar="SPEEDS", help="Speeds of the march: '7000:9700:25 rpm'."),
-    ],
-    quantity: Annotated[
-        str,
-        typer.Option(
-            "--quantity", metavar="NAME", help="loft_gap, seating_velocity, float_excess_lift, ..."
-        ),
-    ] = "loft_gap",
-    revolutions: Annotated[
-        int,
-        typer.Option("--revolutions", metavar="N", help="Cam revolutions of the march at most."),
-    ] = 40_000,
-    spring: SpringOption = None,
-    spring_set: SpringSetOption = None,
-    settings: SetOption = None,
-    output: OutputOption = None,
-    open_page: OpenOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def branches(request: BranchesRequest, line: SavedLine, folder: Path) -> None:
     """Motions of a train over engine speed, up and down: hysteresis, periods, chaos and what is unstable."""
-    from valvetrain.cli.options import choose_case, folder_of, read_count
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.cli.run_answer import SavedRequest, saved_result
@@ -62,53 +58,43 @@ def branches(
     from valvetrain.views.branches import BranchesAnswer
     from valvetrain.views.text import rpm
 
-    name_case(case, settings)
-    chosen = choose_case(case, settings)
-    take_folder(output)
-    read_count(revolutions, 1, 10**7, "--revolutions")
-    speeds = read_engine_speeds(engine_speed) or ()
-    models, sets = read_models(spring), read_names(spring_set)
-    announce_runs(chosen)
-    with progress_bar(chosen.name) as report:
-        found = march(
-            chosen,
-            speeds,
-            models,
-            spring_sets=sets,
+    case, quantity = request.case, request.quantity
+    announce_runs(case)
+    with progress_bar(case.name) as report:
+        result = march(
+            case,
+            request.engine_speeds,
+            request.models,
+            spring_sets=request.spring_sets,
             quantity=quantity,
-            revolutions=revolutions,
+            revolutions=request.revolutions,
             progress=report,
         )
     data = {
-        "command": "branches",
-        "case": chosen.name,
-        "label": found.label,
+        "command": request.command,
+        "case": case.name,
+        "label": result.label,
         "quantity": quantity,
-        "revolutions": found.revolutions,
-        "complete": found.complete,
+        "revolutions": result.revolutions,
+        "complete": result.complete,
         "hysteresis": [
-            [one.lower_engine_speed, one.upper_engine_speed] for one in found.hysteresis
+            [one.lower_engine_speed, one.upper_engine_speed] for one in result.hysteresis
         ],
-        "points": found.to_records(),
+        "points": result.to_records(),
     }
-
-    def write(folder: Path) -> list[Path]:
-        return [found.save(folder / "branches.nc")]
-
-    request = SavedRequest("branches", chosen, output, folder_of(case))
     choices = {
-        "engine_speeds": [rpm(one) for one in speeds],
+        "engine_speeds": [rpm(one) for one in request.engine_speeds],
         "engine_speed_unit": "rpm",
         "quantity": quantity,
     }
     deliver(
         saved_result(
-            request,
-            chosen.record().text,
+            SavedRequest(request.command, case, line.output, folder),
+            case.record().text,
             data,
-            lambda _: BranchesAnswer(found),
-            write,
+            lambda _: BranchesAnswer(result),
+            lambda path: [result.save(path / "branches.nc")],
             choices,
-            open_page,
+            line.open_page,
         )
     )

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.findings.words import speed_text
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
@@ -35,7 +34,7 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
     """(subject, text) of everything the case holds; values that follow from it are rows and named quantities. ``loads``: of
     :func:`spring_loads`, why a spring has none.
     """
-    facts = [("title", case.title)] if case.title else []
+    facts: list[tuple[str, str]] = []
     for spring in case.springs:
         facts += _spring_facts(spring)
         facts += [("loads", text) for text in _no_load(loads, spring)]
@@ -69,15 +68,6 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
             facts.append((f"springs '{name}'", "; ".join(texts)))
             for spring in springs:
                 facts += _split_loads(spring)
-    if case.operation.engine_speeds:
-        facts.append(
-            (
-                "engine speeds",
-                f"{', '.join(map(speed_text, case.operation.engine_speeds))} of the crank",
-            )
-        )
-    if case.operation.red_line is not None:
-        facts.append(("red line", f"{speed_text(case.operation.red_line)} of the crank"))
     if case.springs:
         cycles = case.operation.cycles or "until the motion repeats"
         facts.append(("cam revolutions", f"{cycles}, the last one reported"))

@@ -2,142 +2,91 @@
 
 from __future__ import annotations
 
-import sys
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from valvetrain.cli.options import (
-    ElementsOption,
-    ImplausibleOption,
-    JsonOption,
-    OutputOption,
-    QuietOption,
-    SetOption,
-    SpringOption,
-    UnitsOption,
-    read_models,
-    take_folder,
-    take_units,
-)
+from valvetrain.cli.request import AnswerLine, SavedLine, add_command, add_line
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.runs.request_fields import option, read_text
+from valvetrain.runs.requests import SpringRequest
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from valvetrain.parameters.case import Case, CaseSummary
+    from valvetrain.parameters.case import Case
     from valvetrain.system.problem import Problem
 
 
-#: Cases of no engine, on which spring models are measured.
-BENCHMARKS = ("clamped-helix", "job-c", "job-t", "uniform-spring")
+#: Table of a case file -> what a case has of it.
+HELD = {"spring": "springs", "lift_law": "lift_law", "train": "train", "published": "published"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasesLine(AnswerLine):
+    """The command line of ``cases``."""
+
+    name: str = option(read_text, "Print the file of this case.", metavar="[CASE]", default="")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check(SpringRequest):
+    """A case whose file is checked."""
+
+    command = "check"
 
 
 def register_cases(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("cases")(cases)
+    add_line(app, "cases", CasesLine, cases)
 
 
-def cases(
-    name: Annotated[
-        str | None,
-        typer.Argument(metavar="[NAME]", help="Print the file of this case.", show_default=False),
-    ] = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def cases(line: CasesLine) -> None:
     """List the cases that ship with the package, or print one of their files."""
-    from valvetrain.cli.outcome import Outcome, deliver, to_json
+    from valvetrain.cli.outcome import Outcome, deliver, plain_table
+    from valvetrain.parameters.changes import nearest
     from valvetrain.parameters.loading import LIBRARY, library_names, list_cases
 
-    if name is None:
+    if not line.name:
         found = list_cases()
+        keys = ("name", "title", "holds", "sources")
         data = {
             "command": "cases",
-            "cases": [
-                {key: getattr(one, key) for key in ("name", "title", "holds", "sources")}
-                for one in found
-            ],
+            "cases": [{key: getattr(one, key) for key in keys} for one in found],
         }
-        deliver(Outcome(data, lambda console: _show_cases(console, found)))
+        rows = [(one.name, one.title, ", ".join(one.sources)) for one in found]
+        table = plain_table(("name", "title", "source"), rows)
+        deliver(Outcome(data, lambda console: console.print(table)))
         return
-    from valvetrain.errors import InputError
-    from valvetrain.parameters.changes import nearest
-
-    if name not in library_names():
+    if line.name not in library_names():
         raise InputError(
-            f"there is no case '{name[:60]}' in the library; {nearest(name, library_names())}"
+            f"there is no case '{line.name[:60]}' in the library; {nearest(line.name, library_names())}"
         )
-    text = (LIBRARY / f"{name}.toml").read_text(encoding="utf-8")
-    if as_json or not quiet:
-        sys.stdout.write(
-            to_json({"command": "cases", "case": name, "text": text}) + "\n" if as_json else text
-        )
-
-
-def _show_cases(console: Console, found: tuple[CaseSummary, ...]) -> None:
-    from valvetrain.citations import references
-    from valvetrain.cli.outcome import plain_table
-
-    def source(keys: tuple[str, ...]) -> str:
-        known = (references().get(key.split(",")[0]) for key in keys)
-        return "; ".join(
-            _short(reference.field("author"), reference.field("year"))
-            for reference in known
-            if reference is not None
-        )
-
-    groups = (
-        ("engines and their springs", [one for one in found if one.name not in BENCHMARKS]),
-        ("benchmarks of spring models", [one for one in found if one.name in BENCHMARKS]),
-    )
-    for title, some in groups:
-        rows = ((one.name, one.title, source(one.sources)) for one in some)
-        console.print(plain_table(("name", "title", "source"), rows, title))
-        console.print()
-    console.print("  next: valvetrain run tdi-pushrod")
-
-
-def _short(authors: str, year: str) -> str:
-    families = [author.split(",")[0].strip("{} ") for author in authors.split(" and ")]
-    return f"{families[0]}{' et al.' if len(families) > 1 else ''} ({year})"
+    text = (LIBRARY / f"{line.name}.toml").read_text(encoding="utf-8")
+    data = {"command": "cases", "case": line.name, "text": text}
+    deliver(Outcome(data, lambda console: console.out(text, end="")))
 
 
 def register_check(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("check")(check)
+    add_command(app, Check, SavedLine, check, limit=None, spring_sets=None)
 
 
-def check(
-    case: Annotated[
-        str,
-        typer.Argument(
-            metavar="FILE", help="Case file, or name of a library case.", show_default=False
-        ),
-    ],
-    spring: SpringOption = None,
-    settings: SetOption = None,
-    elements_per_coil: ElementsOption = None,
-    implausible: ImplausibleOption = False,
-    output: OutputOption = None,
-    units: UnitsOption = "si",
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def check(request: Check, line: SavedLine, folder: Path) -> None:
     """Check a case file: what is in doubt, its values as they were understood, or what is wrong with it, and
     where. With --output a page with a picture to scale.
     """
     from valvetrain.cli.cam_facts import cam_facts, gear_of
     from valvetrain.cli.case_facts import case_facts, case_quantities, spring_loads
-    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.outcome import Outcome, deliver, plain_table
-    from valvetrain.cli.run_answer import SavedRequest, keep_run
+    from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
     from valvetrain.findings.engine import measured
     from valvetrain.findings.rules_case import CaseFacts
     from valvetrain.findings.words import Words
+    from valvetrain.session import called_case
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.system.build import lift_law_of
     from valvetrain.views.case_answer import CaseAnswer
@@ -145,14 +94,14 @@ def check(
     from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 
-    take_units(units)
-    chosen = choose_case(case, settings, elements_per_coil)
-    take_folder(output)
-    problem = put_together(chosen, read_models(spring), implausible)
+    chosen = request.case
+    problem = put_together(chosen, request.models, request.implausible)
     quantities = case_quantities(chosen, problem)
     cam, durations = cam_facts(chosen, problem)
     loads = spring_loads(chosen, problem)
-    facts = CaseFacts(chosen, quantities | cam, gear_of(problem), problem is not None, case)
+    facts = CaseFacts(
+        chosen, quantities | cam, gear_of(problem), problem is not None, called_case()
+    )
     law = None if chosen.lift_law is None else lift_law_of(chosen)
 
     def answer() -> CaseAnswer:
@@ -161,7 +110,9 @@ def check(
         return CaseAnswer(facts, said, named, durations, law)
 
     data: dict[str, Any] = {
-        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen, loads)),
+        "command": "check", "case": chosen.name, "title": chosen.title,
+        "holds": [name for name, held in HELD.items() if getattr(chosen, held)],
+        "facts": dict(case_facts(chosen, loads)),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()
@@ -169,14 +120,16 @@ def check(
         "findings": [one.to_dict() for one in replace(answer(), words=Words()).findings],
     }  # fmt: skip
     gaps = PartialFailures()
-    if output is not None:
-        request = SavedRequest("check", chosen, output, folder_of(case))
+    if line.output is not None:
+        saved = SavedRequest(request.command, chosen, line.output, folder)
 
         def write(folder: Path) -> list[Path]:
             return list(filter(None, (write_page(answer(), folder, gaps),)))
 
-        data["page"] = str(output / "report.html")
-        keep_run(request, chosen.record().text, {}, data, write, gaps=gaps)
+        data["page"] = str(line.output / "report.html")
+        keep_run(saved, chosen.record().text, {}, data, write, gaps=gaps)
+        if line.open_page:
+            show_page(line.output / "report.html")
 
     def show(console: Console) -> None:
         made = answer()
@@ -219,13 +172,3 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
                 stacklevel=2,
             )
     return problem
-
-
-def _holds(case: Case) -> list[str]:
-    named = (
-        ("spring", case.springs),
-        ("lift_law", case.lift_law),
-        ("train", case.train),
-        ("published", case.published),
-    )
-    return [name for name, held in named if held]

@@ -11,6 +11,7 @@ import typer
 
 from valvetrain.cli.options import choose_case
 from valvetrain.cli.request import MotionLine, RequestOf, add_command
+from valvetrain.cli.run import KERNELS
 from valvetrain.cli.run_answer import answer_study
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import option, read_text
@@ -55,14 +56,10 @@ def compare_springs(request: CompareSprings, line: PairLine, folder: Path) -> No
     A spring is a case with \\[spring], as spring-card writes it, or an engine, of which the set in
     use is taken; --set changes the engine.
     """
-    from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.compare_springs import paired
-    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.run import sweep_study
 
     pair = choose_case(line.first), choose_case(line.second)
     stems = PurePath(line.first).stem, PurePath(line.second).stem
     request = paired(request, *pair, stems).with_speeds()
-    refuse_cost(request.cost(), request.limit)
-    announce_compilation("statics", "transient", "train")
-    answer_study(request, line, folder, sweep_study)
+    answer_study(request, line, folder, sweep_study, request.cost(), KERNELS)

@@ -5,7 +5,6 @@ on.
 from __future__ import annotations
 
 import inspect
-import os
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -16,6 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from valvetrain.errors import InputError
+from valvetrain.runs import request_fields
+from valvetrain.runs.request_fields import options_of
+from valvetrain.runs.requests import MAX_WORKERS, Sweep
 
 if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor
@@ -123,6 +125,14 @@ def matching_cases(begun: str) -> list[str]:
     return [name for name in library_names() if name.startswith(begun)]
 
 
+def typed_option(name: str) -> Any:
+    """The option of typer for a field of a request."""
+    asked = options_of(Sweep)[name]
+    return typer.Option(
+        asked.flag, metavar=asked.metavar or None, help=asked.meaning, show_default=False
+    )
+
+
 CaseArgument = Annotated[
     str,
     typer.Argument(
@@ -163,15 +173,7 @@ UnitsOption = Annotated[
         help="Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi). Files and --json stay SI.",
     ),
 ]
-SpeedOption = Annotated[
-    str | None,
-    typer.Option(
-        "--rpm",
-        metavar="SPEEDS",
-        show_default=False,
-        help="Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
-    ),
-]
+SpeedOption = Annotated[str | None, typed_option("engine_speeds")]
 
 
 def take_units(system: str) -> None:
@@ -213,49 +215,14 @@ OutputOption = Annotated[
         help="Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
     ),
 ]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", metavar="N", help="Runs at a time (default: the cores there are, at most 4)."
-    ),
-]
-SpringOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--model",
-        metavar="MODELS",
-        show_default=False,
-        help="Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
-    ),
-]
-SpringSetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--spring-set",
-        metavar="SETS",
-        help="Spring sets of a train, such as stock,performance; repeatable.",
-        show_default=False,
-    ),
-]
+WorkersOption = Annotated[int | None, typed_option("workers")]
+SpringOption = Annotated[list[str] | None, typed_option("models")]
+SpringSetOption = Annotated[list[str] | None, typed_option("spring_sets")]
 #: Formats in which plotly's exporter writes a figure.
 FIGURE_FORMATS = ("svg", "png", "pdf")
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]
-LimitOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--limit",
-        metavar="BOUND",
-        show_default=False,
-        help="Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",
-    ),
-]
-ImplausibleOption = Annotated[
-    bool,
-    typer.Option(
-        "--implausible",
-        help="Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them.",
-    ),
-]
+LimitOption = Annotated[list[str] | None, typed_option("limit")]
+ImplausibleOption = Annotated[bool, typed_option("implausible")]
 
 
 def read_engine_speeds(text: str | None, where: str = "--rpm") -> tuple[float, ...] | None:
@@ -269,30 +236,18 @@ def read_amounts(texts: Sequence[str] | None, dimension: str, where: str) -> tup
     """SI values of a repeatable option, each text one amount or several (``'32 mm'``, ``'200, 400
     N'``), in order.
     """
-    from valvetrain.units import parse_quantities
-
-    return tuple(
-        value for text in texts or () for value in parse_quantities(text, dimension, where)
-    )
-
-
-def read_count(value: int, low: int, high: int, where: str) -> int:
-    """A whole number within bounds, or :class:`InputError`."""
-    if not low <= value <= high:
-        raise InputError(f"{value} is outside {low} to {high}; choose a number between", where)
-    return value
+    return request_fields.read_amounts(dimension, list(texts or ()), where)
 
 
 def read_workers(value: int | None, dask: str = "") -> int:
-    """Number of runs at a time: as requested, else the cores this process may use, at most 4. With
-    ``dask`` that of the cluster, which the command uses to its end.
+    """Number of runs at a time: as requested, else the cores this process may use, at most 4. With ``dask`` that of the cluster, which the
+    command uses to its end.
     """
+    from valvetrain.runs.workers import available_cores
+
+    count = min(4, available_cores())
     if value is not None:
-        read_count(value, 1, 256, "--workers")
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    count = min(4, cores) if value is None else value
+        count = request_fields.read_count(1, MAX_WORKERS, value, "--workers")
     if not dask:
         return count
     from valvetrain.runs.cluster import on_cluster
@@ -302,21 +257,12 @@ def read_workers(value: int | None, dask: str = "") -> int:
 
 def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:
     """Names of a repeatable option whose values may be lists with commas, in order, each once."""
-    return tuple(
-        dict.fromkeys(
-            word.strip() for text in texts or () for word in text.split(",") if word.strip()
-        )
-    )
+    return request_fields.read_names(texts or (), "")
 
 
 def read_models(texts: Sequence[str] | None) -> tuple[str, ...]:
     """Names of spring models. Raises :class:`InputError` with the nearest name for an unknown one."""
-    from valvetrain.registry import find
-
-    models = read_names(texts)
-    for word in models:
-        find("springs", word, "--model")
-    return models
+    return request_fields.read_models(texts or (), "--model")
 
 
 #: Words of --sensor -> how they are read.

@@ -39,11 +39,36 @@ from valvetrain.runs.requests import Limited, ParallelRequest
 
 RequestOf = TypeVar("RequestOf", bound=Limited)
 LineOf = TypeVar("LineOf", bound="CommandLine")
+FieldsOf = TypeVar("FieldsOf", bound=Fields)
 MAX_ELEMENTS = 10**6
 
 
 @dataclass(frozen=True, kw_only=True)
-class CommandLine(Fields):
+class QuietLine(Fields):
+    """The command line of every command."""
+
+    quiet: bool = option(
+        read_switch,
+        "Print errors only; the exit code says how it ended.",
+        "--quiet",
+        default=False,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnswerLine(QuietLine):
+    """The command line of a command that prints an answer."""
+
+    json: bool = option(
+        read_switch,
+        "Print one JSON object on standard output and nothing else there.",
+        "--json",
+        default=False,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandLine(AnswerLine):
     """What a command line says besides its request: units and form of the answer."""
 
     units: str = option(
@@ -52,18 +77,6 @@ class CommandLine(Fields):
         "--units",
         "SYSTEM",
         default="si",
-    )
-    json: bool = option(
-        read_switch,
-        "Print one JSON object on standard output and nothing else there.",
-        "--json",
-        default=False,
-    )
-    quiet: bool = option(
-        read_switch,
-        "Print errors only; the exit code says how it ended.",
-        "--quiet",
-        default=False,
     )
     open_page: bool = option(
         read_switch, "Open the report page in a browser.", "--open", default=False
@@ -167,22 +180,49 @@ def add_command(
             request = replace(request, workers=workers)
         execute(request, typed, folder)
 
+    _add(app, model.command, execute, options, command)
+
+
+def add_line(
+    app: typer.Typer, name: str, line: type[FieldsOf], execute: Callable[[FieldsOf], None]
+) -> None:
+    """Add the command ``name``, which is about no case: ``execute`` takes its command line."""
+
+    def command(**given: Any) -> None:
+        execute(line.read(given, flags=True))
+
+    _add(app, name, execute, options_of(line), command)
+
+
+def _add(
+    app: typer.Typer,
+    name: str,
+    execute: Callable[..., None],
+    options: Mapping[str, Option],
+    command: Callable[..., None],
+) -> None:
     parameters = [_parameter(name, one) for name, one in options.items() if one.flag or one.metavar]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__doc__ = execute.__doc__
-    app.command(model.command)(command)
+    app.command(name)(command)
 
 
 def _parameter(name: str, asked: Option) -> inspect.Parameter:
     """The parameter of typer for an option; its text is read later."""
     keyword = inspect.Parameter.KEYWORD_ONLY
     if not asked.flag:
+        word = asked.metavar.strip("[]")
         info: Any = typer.Argument(
-            metavar=asked.metavar,
+            metavar=word,
             help=asked.meaning,
-            autocompletion=matching_cases if asked.metavar == "CASE" else None,
+            autocompletion=matching_cases if word == "CASE" else None,
+            show_default=False,
         )
-        return inspect.Parameter(name, keyword, annotation=Annotated[str, info])
+        if word == asked.metavar:
+            return inspect.Parameter(name, keyword, annotation=Annotated[str, info])
+        return inspect.Parameter(
+            name, keyword, annotation=Annotated[str | None, info], default=None
+        )
     info = typer.Option(
         asked.flag,
         metavar=asked.metavar or None,

@@ -15,6 +15,8 @@ from valvetrain.runs.requests import Compare, Run, RunUp, Sweep
 SOLID = "solid"
 #: Models that a run of the solid alone shows next to it.
 SOLID_AND_OTHERS = ("finite-element", SOLID, "modal-varied")
+#: Kernels of a sweep.
+KERNELS = ("statics", "transient", "train")
 
 
 def register_run(app: typer.Typer) -> None:
@@ -24,15 +26,12 @@ def register_run(app: typer.Typer) -> None:
 
 def run(request: Run, line: MotionLine, folder: Path) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
-    from valvetrain.cli.progress import announce_runs
-    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.run import run_study
 
     case = request.case
     if request.models == (SOLID,) and case.train is None:
         request = replace(request, models=SOLID_AND_OTHERS)
         tell("the rod and the modal model run next to the solid")
-    refuse_cost(request.cost(), request.limit)
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):
         more = (
             "add --rpm 4200 for its motion"
@@ -42,8 +41,7 @@ def run(request: Run, line: MotionLine, folder: Path) -> None:
         tell(
             f"case '{case.name}' names no engine speed, so statics and modes only are computed; {more}"
         )
-    announce_runs(case)
-    answer_study(request, line, folder, run_study)
+    answer_study(request, line, folder, run_study, request.cost())
 
 
 def register_sweep(app: typer.Typer) -> None:
@@ -55,14 +53,10 @@ def sweep(request: Sweep, line: MotionLine, folder: Path) -> None:
     """Sweep a case over engine speed, by default to 1.2 times its red line: forces, clash, surge, and
     where contact is lost.
     """
-    from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.run import sweep_study
 
     request = request.with_speeds()
-    refuse_cost(request.cost(), request.limit)
-    announce_compilation("statics", "transient", "train")
-    answer_study(request, line, folder, sweep_study)
+    answer_study(request, line, folder, sweep_study, request.cost(), KERNELS)
 
 
 def register_compare(app: typer.Typer) -> None:
@@ -74,13 +68,9 @@ def compare(request: Compare, line: MotionLine, folder: Path) -> None:
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
-    from valvetrain.cli.progress import announce_runs
     from valvetrain.runs.compare import compare_study
-    from valvetrain.runs.cost import refuse_cost
 
-    refuse_cost(request.cost(), request.limit)
-    announce_runs(request.case)
-    answer_study(request, line, folder, compare_study)
+    answer_study(request, line, folder, compare_study, request.cost())
 
 
 def register_run_up(app: typer.Typer) -> None:
@@ -92,10 +82,6 @@ def run_up(request: RunUp, line: MotionLine, folder: Path) -> None:
     """Accelerate a train through its speeds: envelope of forces, loss of contact and float over
     engine speed.
     """
-    from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.run_up import run_up_study
 
-    refuse_cost(request.cost(), request.limit)
-    announce_compilation("train")
-    answer_study(request, line, folder, run_up_study)
+    answer_study(request, line, folder, run_up_study, request.cost(), ("train",))

@@ -15,6 +15,7 @@ import typer
 from valvetrain.cli.options import at_end
 from valvetrain.cli.outcome import complain
 from valvetrain.cli.request import MotionLine, StudyLine
+from valvetrain.runs.cost import FEWER, Cost, refuse_cost
 from valvetrain.runs.requests import Request, Watch
 from valvetrain.runs.run_folders import ANSWER
 
@@ -56,18 +57,33 @@ def answer_study(
     line: StudyLine,
     folder: Path,
     compute: Callable[[CaseRequest, Watch], Study],
+    cost: Cost,
+    kernels: Sequence[str] = (),
+    fewer: str = FEWER,
 ) -> None:
     """Compute the study, save it and print its answer; a stopped one saves what was finished.
 
-    ``folder``: that of the case file; ``compute`` gives the study of the request.
+    Parameters
+    ----------
+    request, line : what is computed, and how it is answered
+    folder : that of the case file
+    compute : gives the study of the request
+    cost : of the request, which is refused beyond its limits
+    kernels : kinds of kernels that it needs; where none is given, those of the runs of its case
+    fewer : what to request less of
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
-    from valvetrain.cli.progress import progress_bar
+    from valvetrain.cli.progress import announce_compilation, announce_runs, progress_bar
     from valvetrain.runs.run_folders import unfinished_folder
     from valvetrain.runs.stopping import StudyStopped
     from valvetrain.views.files import UnfinishedRun
 
+    refuse_cost(cost, request.limit, fewer=fewer)
+    if kernels:
+        announce_compilation(*kernels)
+    else:
+        announce_runs(request.case)
     saved = SavedRequest(request.command, request.case, line.output, folder)
     now = saved.created_at
     begun = ("valvetrain", *sys.argv[1:])
@@ -113,8 +129,9 @@ def _saved_outcome(
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import busy
     from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.views.results import answer_json
+    from valvetrain.views.results import answer_json, write_answer
     from valvetrain.views.text import rpm
 
     gaps = PartialFailures(unfinished.gaps.sentences)
@@ -127,15 +144,35 @@ def _saved_outcome(
     choices = request.stored() | {"engine_speeds": speeds, "engine_speed_unit": "rpm"}
     choices |= {"models": used} if used else {}
     origin = study.solutions[0].provenance if study.solutions else None
-    report = line.report or line.open_page
-    folder, page, failed = save_study(
-        saved, study, choices, data, failures, origin, gaps, unfinished, report, line.figures
-    )
+    pages: list[Path] = []
+
+    def all_failures() -> tuple[str, ...]:
+        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
+        data.update(completed=not failed, failures=list(failed))
+        return failed
+
+    def write(folder: Path) -> list[Path]:
+        with_page = line.report or line.open_page
+        files = write_answer(
+            study, folder, with_page, line.figures, written_before=unfinished.file_of
+        )
+        pages.extend([files.page] if files.page else [])
+        for sentence in files.gaps:
+            gaps.add(sentence)
+        all_failures()
+        return [*files.data, *files.figures, *pages]
+
+    with busy("writing files"):
+        folder, files = keep_run(
+            saved, study.record.text, choices, data, write, origin, unfinished, gaps
+        )
+    page = pages[0] if pages else None
+    data.update(folder=str(folder), files=files, page=None if page is None else str(page))
     if page is not None and line.open_page:
         show_page(page)
     published = isinstance(line, MotionLine) and line.published
     return Outcome(
-        data, lambda console: show_study(console, study, folder, page, published), failed
+        data, lambda console: show_study(console, study, folder, page, published), all_failures()
     )
 
 
@@ -152,51 +189,6 @@ def show_study(
     for key, table in answer.tables().items() if published else ():
         if key in ("published", "source"):
             console.print(plain_table(table.columns, table.rows, f"\n{table.title}"))
-
-
-def save_study(
-    request: SavedRequest,
-    study: Study,
-    choices: Mapping[str, Any],
-    data: dict[str, Any],
-    failures: Sequence[str],
-    made_by: Provenance | None,
-    gaps: PartialFailures,
-    unfinished: UnfinishedRun | None = None,
-    report: bool = True,
-    figures: str = "",
-) -> tuple[Path, Path | None, tuple[str, ...]]:
-    """Write a study to the folder of its run: the folder, the page, and all that failed.
-
-    ``data``, the JSON answer, is completed with them; the other arguments are those of
-    :func:`keep_run` and :func:`valvetrain.views.results.write_answer`.
-    """
-    from valvetrain.cli.progress import busy
-    from valvetrain.views.results import write_answer
-
-    pages: list[Path] = []
-
-    def all_failures() -> tuple[str, ...]:
-        failed = tuple(dict.fromkeys((*failures, *gaps.sentences)))
-        data.update(completed=not failed, failures=list(failed))
-        return failed
-
-    def write(folder: Path) -> list[Path]:
-        saved = {} if unfinished is None else {"written_before": unfinished.file_of}
-        files = write_answer(study, folder, report, figures, **saved)
-        pages.extend([files.page] if files.page else [])
-        for sentence in files.gaps:
-            gaps.add(sentence)
-        all_failures()
-        return [*files.data, *files.figures, *pages]
-
-    with busy("writing files"):
-        folder, files = keep_run(
-            request, study.record.text, choices, data, write, made_by, unfinished, gaps
-        )
-    page = pages[0] if pages else None
-    data.update(folder=str(folder), files=files, page=None if page is None else str(page))
-    return folder, page, all_failures()
 
 
 def keep_run(

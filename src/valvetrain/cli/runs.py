@@ -2,45 +2,53 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, QuietOption
+from valvetrain.cli.request import AnswerLine, add_line
+from valvetrain.runs.request_fields import option, read_path, read_text
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.runs.saved_runs import SavedRun
 
-RootOption = Annotated[
-    Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are saved in.")
-]
-RunArgument = Annotated[
-    str,
-    typer.Argument(
-        help="A run: its folder, its digest, a case (its newest run), CASE/latest or latest."
-    ),
-]
+RUN = "A run: its folder, its digest, a case (its newest run), CASE/latest or latest."
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoreLine(AnswerLine):
+    """The command line of a command about saved runs."""
+
+    folder: Path = option(
+        read_path, "Folder that runs are saved in.", "--folder", "FOLDER", default="runs"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsLine(StoreLine):
+    """The command line of ``runs``."""
+
+    case: str = option(read_text, "List the runs of this case only.", metavar="[CASE]", default="")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareRunsLine(StoreLine):
+    """The command line of ``compare-runs``."""
+
+    a: str = option(read_text, RUN, metavar="A")
+    b: str = option(read_text, RUN, metavar="B")
 
 
 def register_runs(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("runs")(runs)
+    add_line(app, "runs", RunsLine, runs)
 
 
-def runs(
-    case: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[CASE]", help="List the runs of this case only.", show_default=False
-        ),
-    ] = None,
-    folder: RootOption = Path("runs"),
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def runs(line: RunsLine) -> None:
     """List the runs that were saved, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.findings.rules_saved import SavedFacts
@@ -50,8 +58,8 @@ def runs(
     from valvetrain.views.saved import SavedAnswer
     from valvetrain.views.terminal import screen
 
-    of = case or ""
-    facts = SavedFacts(list_saved_runs(of, folder), unfinished_runs(of, folder), folder, of)
+    case, folder = line.case, line.folder
+    facts = SavedFacts(list_saved_runs(case, folder), unfinished_runs(case, folder), folder, case)
     data = {
         "command": "runs",
         "runs": [_run_object(run) for run in facts.runs],
@@ -85,16 +93,10 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
 
 def register_compare_runs(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("compare-runs")(compare_runs)
+    add_line(app, "compare-runs", CompareRunsLine, compare_runs)
 
 
-def compare_runs(
-    a: RunArgument,
-    b: RunArgument,
-    folder: RootOption = Path("runs"),
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def compare_runs(line: CompareRunsLine) -> None:
     """Show what differs between two saved runs: the largest change of a headline number, the inputs, the results."""
     from valvetrain.cli.outcome import Outcome, deliver, plain_table
     from valvetrain.findings.engine import measured
@@ -104,7 +106,9 @@ def compare_runs(
     from valvetrain.views.saved import DifferenceAnswer
     from valvetrain.views.terminal import screen
 
-    answer = DifferenceAnswer(differences(find_run(a, folder), find_run(b, folder)))
+    answer = DifferenceAnswer(
+        differences(find_run(line.a, line.folder), find_run(line.b, line.folder))
+    )
     both = answer.both
     data: dict[str, Any] = {
         "command": "compare-runs", "a": str(both.a.folder), "b": str(both.b.folder),

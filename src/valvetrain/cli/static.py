@@ -10,6 +10,7 @@ import typer
 
 from valvetrain.cli.request import StudyLine, add_command
 from valvetrain.cli.run_answer import answer_study
+from valvetrain.runs.cost import FEWER_AT_REST
 from valvetrain.runs.requests import Modes, Static, Watch
 
 if TYPE_CHECKING:
@@ -17,13 +18,8 @@ if TYPE_CHECKING:
 
 
 def register(app: typer.Typer) -> None:
-    """Add the command ``static``."""
+    """Add the command."""
     add_command(app, Static, StudyLine, static)
-
-
-def register_modes(app: typer.Typer) -> None:
-    """Add the command ``modes``."""
-    add_command(app, Modes, StudyLine, modes)
 
 
 def static(request: Static, line: StudyLine, folder: Path) -> None:
@@ -45,8 +41,12 @@ def static(request: Static, line: StudyLine, folder: Path) -> None:
             implausible=request.implausible,
         )
 
-    _announce(request)
-    answer_study(request, line, folder, compute)
+    answer_study(request, line, folder, compute, request.cost(), ("statics",), FEWER_AT_REST)
+
+
+def register_modes(app: typer.Typer) -> None:
+    """Add the command."""
+    add_command(app, Modes, StudyLine, modes)
 
 
 def modes(request: Modes, line: StudyLine, folder: Path) -> None:
@@ -74,14 +74,4 @@ def modes(request: Modes, line: StudyLine, folder: Path) -> None:
         lowest = (one.lowest(request.count) for one in train_modes(case, models, spring_sets=sets))
         return replace(study, train_modes=tuple(lowest))
 
-    _announce(request)
-    answer_study(request, line, folder, compute)
-
-
-def _announce(request: Static | Modes) -> None:
-    """Say what takes long, and refuse what is beyond the limits."""
-    from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import FEWER_AT_REST, refuse_cost
-
-    refuse_cost(request.cost(), request.limit, fewer=FEWER_AT_REST)
-    announce_compilation("statics")
+    answer_study(request, line, folder, compute, request.cost(), ("statics",), FEWER_AT_REST)

@@ -9,22 +9,30 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from valvetrain.cli.options import QuietOption, read_count, read_folder
 from valvetrain.cli.outcome import complain, tell
+from valvetrain.cli.request import QuietLine, add_line
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.runs.cost import Limits, read_limits
+from valvetrain.runs.request_fields import (
+    option,
+    read_count,
+    read_names,
+    read_path,
+    read_switch,
+    read_text,
+)
 
 if TYPE_CHECKING:
     from valvetrain.workbench.settings import ServeSettings
 
-#: Default bounds of one job.
-DEFAULT_LIMITS = ("1 h", "4 GB")
-PORT, DEFAULT_FOLDER = 8420, Path("workbench")
 #: Variable with the token that visitors must show.
 TOKEN = "VALVETRAIN_TOKEN"
 MISSING = (
@@ -32,120 +40,120 @@ MISSING = (
 )
 
 
+@dataclass(frozen=True, kw_only=True)
+class ServeLine(QuietLine):
+    """The command line of ``serve``."""
+
+    folder: Path = option(
+        read_path,
+        "Workspace: cases, runs and jobs; made where absent.",
+        "--folder",
+        "FOLDER",
+        default="workbench",
+    )
+    port: int = option(
+        partial(read_count, 0, 65535),
+        "TCP port; 0 takes a free one.",
+        "--port",
+        "N",
+        default="8420",
+    )
+    host: str = option(
+        read_text,
+        "Address listened on; any but this machine's own needs a token.",
+        "--host",
+        "ADDRESS",
+        default="127.0.0.1",
+    )
+    token: bool = option(
+        read_switch,
+        "Visitors of this machine's own address must show a token, too: that in the variable VALVETRAIN_TOKEN, else a random one.",
+        "--token",
+        default=False,
+    )
+    names: tuple[str, ...] = option(
+        read_names,
+        "Name that browsers call this machine by. Repeatable.",
+        "--name",
+        "NAME",
+        default=(),
+        repeatable=True,
+    )
+    open_page: bool = option(
+        read_switch, "Open the first page in a browser.", "--open/--no-open", default=True
+    )
+    most_running: int = option(
+        partial(read_count, 1, 64),
+        "Jobs that run at a time.",
+        "--most-running",
+        "N",
+        default="1",
+    )
+    most_waiting: int = option(
+        partial(read_count, 0, 1000),
+        "Jobs that may wait.",
+        "--most-waiting",
+        "N",
+        default="8",
+    )
+    limit: Limits = option(
+        lambda given, where: read_limits(("1 h, 4 GB", *given), where),
+        "Longest time and largest memory of a job (default: 1 h, 4 GB): '2 h', '8 GB'. Repeatable.",
+        "--limit",
+        "BOUND",
+        default=Limits(3600.0, 4e9),
+        repeatable=True,
+    )
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("serve")(serve)
+    add_line(app, "serve", ServeLine, serve)
 
 
-def serve(
-    folder: Annotated[
-        Path | None,
-        typer.Option(
-            "--folder",
-            metavar="FOLDER",
-            parser=read_folder,
-            show_default=False,
-            help="Workspace: cases, runs and jobs; made where absent (default: workbench).",
-        ),
-    ] = None,
-    port: Annotated[
-        int, typer.Option("--port", metavar="N", help="TCP port; 0 takes a free one.")
-    ] = PORT,
-    host: Annotated[
-        str,
-        typer.Option(
-            "--host",
-            metavar="ADDRESS",
-            help="Address listened on; any but this machine's own needs a token.",
-        ),
-    ] = "127.0.0.1",
-    token: Annotated[
-        bool,
-        typer.Option(
-            "--token",
-            help="Visitors of this machine's own address must show a token, too: that in the variable VALVETRAIN_TOKEN, else a random one.",
-        ),
-    ] = False,
-    name: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--name",
-            metavar="NAME",
-            help="Name that browsers call this machine by. Repeatable.",
-            show_default=False,
-        ),
-    ] = None,
-    open_page: Annotated[
-        bool, typer.Option("--open/--no-open", help="Open the first page in a browser.")
-    ] = True,
-    most_running: Annotated[
-        int, typer.Option("--most-running", metavar="N", help="Jobs that run at a time.")
-    ] = 1,
-    most_waiting: Annotated[
-        int, typer.Option("--most-waiting", metavar="N", help="Jobs that may wait.")
-    ] = 8,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--limit",
-            metavar="BOUND",
-            show_default=False,
-            help="Longest time and largest memory of a job (default: 1 h, 4 GB): '2 h', '8 GB'. Repeatable.",
-        ),
-    ] = None,
-    quiet: QuietOption = False,
-) -> None:
+def serve(line: ServeLine) -> None:
     """Serve the workbench: choose or upload a case, change it in forms, run it, watch and compare
     its answers, in a browser.
     """
-    from valvetrain.runs.cost import read_limits
-    from valvetrain.workbench.safety import check_settings, is_loopback, new_token
-    from valvetrain.workbench.settings import ServeSettings
-
-    limits = read_limits((*DEFAULT_LIMITS, *(limit or ())))
-    running, waiting = (
-        read_count(most_running, 1, 64, "--most-running"),
-        read_count(most_waiting, 0, 1000, "--most-waiting"),
+    from valvetrain.workbench.settings import (
+        ServeSettings,
+        check_settings,
+        is_loopback,
+        new_token,
     )
-    address = host.strip().strip("[]")
-    taken = free_port(address, read_count(port, 0, 65535, "--port"))
+
+    address = line.host.strip().strip("[]")
+    port = free_port(address, line.port)
     # A word of the command line is read by every user of the machine.
-    shown = os.environ.pop(TOKEN, "") or (new_token() if token or not is_loopback(address) else "")
-    settings = check_settings(ServeSettings(address, taken, shown, tuple(name or ()), open_page))
+    needed = line.token or not is_loopback(address)
+    token = os.environ.pop(TOKEN, "") or (new_token() if needed else "")
+    settings = check_settings(ServeSettings(address, port, token, line.names, line.open_page))
     if find_spec("nicegui") is None:
         raise MissingExtraError(MISSING)
-    _serve(folder or DEFAULT_FOLDER, settings, running, waiting, limits.seconds, limits.bytes)
+    _serve(line, settings)
 
 
-def _serve(
-    folder: Path, settings: ServeSettings, running: int, waiting: int, seconds: float, memory: float
-) -> None:
+def _serve(line: ServeLine, settings: ServeSettings) -> None:
     """Hold the workspace, serve until a signal, and end the jobs."""
     from valvetrain.workbench.jobs import Jobs
     from valvetrain.workbench.pages import start
     from valvetrain.workbench.workspace import Workspace
 
-    workspace = Workspace(folder)
+    workspace = Workspace(line.folder)
     release = workspace.hold()
     try:
-        with Jobs(workspace, running, waiting, seconds, memory) as jobs:
+        with Jobs(workspace, line.most_running, line.most_waiting, line.limit) as jobs:
 
             def listening() -> None:
-                tell(f"workbench '{folder}' at {settings.address}; Ctrl-C ends it")
+                tell(f"workbench '{line.folder}' at {settings.address}; Ctrl-C ends it")
                 if settings.token:
                     complain(f"visitors need its token: {settings.first_page}")
 
             with _ended_by_signals(), suppress(KeyboardInterrupt):
                 start(workspace, jobs, settings, listening)
             going = jobs.running
-        tell(
-            "the server has ended"
-            + (
-                f"; {going} running jobs were stopped, what they had finished is saved"
-                if going
-                else ""
-            )
-        )
+        stopped = f"; {going} running jobs were stopped, what they had finished is saved"
+        tell(f"the server has ended{stopped if going else ''}")
     finally:
         release()
 
@@ -162,25 +170,16 @@ def _ended_by_signals() -> Iterator[None]:
             asyncio.get_running_loop()
         except RuntimeError:
             raise KeyboardInterrupt from None
-        if number not in (
-            signal.SIGINT,
-            signal.SIGTERM,
-        ):  # which the server hears itself, and hands on when it has ended
+        # the server hears the other two itself, and hands them on when it has ended
+        if number not in (signal.SIGINT, signal.SIGTERM):
             signal.raise_signal(signal.SIGTERM)
 
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    numbers = [
-        one
-        for name in ("SIGINT", "SIGTERM", "SIGHUP")
-        if (one := getattr(signal, name, None)) is not None
-    ]
-    before = {
-        number: signal.signal(number, end)
-        for number in numbers
-        if signal.getsignal(number) is not signal.SIG_IGN
-    }
+    numbers = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
+    heard = [one for one in numbers if one and signal.getsignal(one) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, end) for number in heard}
     try:
         yield
     finally:
@@ -205,9 +204,8 @@ def free_port(host: str, port: int) -> int:
         try:
             listener.bind(place)
         except PermissionError:
-            raise InputError(
-                f"port {port} may not be used by everybody; choose one above 1023", "--port"
-            ) from None
+            reason = f"port {port} may not be used by everybody; choose one above 1023"
+            raise InputError(reason, "--port") from None
         except OSError as error:
             if error.errno == errno.EADDRINUSE:
                 raise InputError(
@@ -218,5 +216,4 @@ def free_port(host: str, port: int) -> int:
                 f"'{host[:60]}' is no address of this machine ({error.strerror}); give 127.0.0.1",
                 "--host",
             ) from None
-        found: int = listener.getsockname()[1]
-        return found
+        return int(listener.getsockname()[1])

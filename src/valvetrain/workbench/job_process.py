@@ -19,12 +19,14 @@ from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 from valvetrain.runs.cost import Limits, duration_text, memory_text
 from valvetrain.runs.run_folders import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
-from valvetrain.workbench.requests import JobRequest, command_arguments, study_text
+from valvetrain.workbench.requests import JobRequest, QuantityStudy
 from valvetrain.workbench.saved_runs import STUDIES
 from valvetrain.workbench.store import inside, writing
 from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
 from valvetrain.workbench.workspace import Workspace
 
+#: The study file of a job; no case has a name that begins so.
+STUDY_FILE = "_study.toml"
 ANSWER, COMPLAINTS, LOCK = "answer.json", "complaints.txt", "lock"
 #: The process that runs the command line.
 SUPERVISOR = [sys.executable, "-m", "valvetrain.workbench.supervisor"]
@@ -52,18 +54,13 @@ def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: s
             for name, content in workspace.files(request.case).items():
                 write_bytes(inside(folder, name), content)
             write_text(folder / f"{request.case}.toml", text)
-            if request.kind == "study":
-                write_text(
-                    folder / study_file(request.case), study_text(request, f"{request.case}.toml")
-                )
+            asked = request.read(workspace.parse(request.case, text))
+            if isinstance(asked, QuantityStudy):
+                study = asked.file_text(f"{request.case}.toml")
+                write_text(folder / STUDY_FILE, study)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-
-
-def study_file(case: str) -> str:
-    """Name of the study file of a job on ``case``, which never is that of its case."""
-    return "study-of-it.toml" if case.lower() == "study" else "study.toml"
 
 
 def wait_until_left(workspace: Workspace, job_id: str) -> None:
@@ -131,14 +128,11 @@ class JobProcess:
     def run(self) -> Outcome:
         """Start the process, follow its progress and wait for its end."""
         folder = inside(self.workspace.jobs_folder, self.job_id)
-        name = (
-            study_file(self.request.case)
-            if self.request.kind == "study"
-            else f"{self.request.case}.toml"
-        )
+        studied = self.request.kind == QuantityStudy.command
+        name = STUDY_FILE if studied else f"{self.request.case}.toml"
         saved = f"runs/{STUDIES}/{self.request.case}-{self.job_id}"
-        sentence = command_arguments(
-            self.request, f"jobs/{self.job_id}/{name}", self.workers, self.limits, saved
+        sentence = self.request.command_line(
+            f"jobs/{self.job_id}/{name}", self.workers, self.limits, saved
         )
         bounds = [str(self.limits.seconds), str(self.limits.bytes), str(folder / LOCK)]
         reading, writing = os.pipe()

@@ -8,7 +8,6 @@ is started again find it.
 from __future__ import annotations
 
 import logging
-import os
 import secrets
 import shutil
 import sqlite3
@@ -20,6 +19,7 @@ from typing import Any, Literal
 
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import Limits
+from valvetrain.runs.workers import available_cores
 from valvetrain.units.text import clipped
 from valvetrain.workbench.job_process import (
     JobProcess,
@@ -28,22 +28,16 @@ from valvetrain.workbench.job_process import (
     wait_until_left,
     write_inputs,
 )
-from valvetrain.workbench.requests import (
-    JobKind,
-    JobRequest,
-    allowed_cost_text,
-    check_request,
-    cost_of,
-    request_json,
-    request_of,
-)
+from valvetrain.workbench.requests import STORED, JobRequest
 from valvetrain.workbench.workspace import Workspace
 
-__all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
-
 JobState = Literal["queued", "running", "finished", "failed", "cancelled", "interrupted"]
+#: Bounds of one job where none are given.
+DEFAULT_LIMITS = Limits(3600.0, 4e9)
 #: Jobs that the database stores; older ones that have ended are deleted, their runs stay.
 MAX_ENDED = 1000
+#: Jobs of a case whose choices its page begins with.
+MAX_REMEMBERED = 10
 #: Time between two looks at the queue, and two tries to write what the disk did not take (s).
 LOOK = 5.0
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
@@ -69,7 +63,7 @@ class JobStatus:
 
     job_id: str
     case: str
-    kind: JobKind
+    kind: str
     state: JobState
     share: float = 0.0
     text: str = ""
@@ -96,8 +90,7 @@ class Jobs:
     workspace : whose cases and runs
     most_running : jobs at a time
     most_waiting : jobs that may wait; more are refused
-    most_seconds : longest time of one job (s)
-    most_memory : largest memory of one job (bytes)
+    limits : longest time and largest memory of one job
     """
 
     def __init__(
@@ -105,17 +98,11 @@ class Jobs:
         workspace: Workspace,
         most_running: int = 1,
         most_waiting: int = 8,
-        most_seconds: float = 3600.0,
-        most_memory: float = 4e9,
+        limits: Limits = DEFAULT_LIMITS,
     ) -> None:
-        self.workspace, self.limits = workspace, Limits(most_seconds, most_memory)
+        self.workspace, self.limits = workspace, limits
         self.most_running, self.most_waiting = most_running, most_waiting
-        cores = (
-            len(os.sched_getaffinity(0))
-            if hasattr(os, "sched_getaffinity")
-            else os.cpu_count() or 1
-        )
-        self.workers = max(1, min(4, cores // max(1, most_running)))
+        self.workers = max(1, min(4, available_cores() // max(1, most_running)))
         self._changed, self._stopping = threading.Condition(), False
         self._running: dict[str, JobProcess] = {}
         self._unsaved: dict[str, dict[str, Any]] = {}
@@ -156,7 +143,14 @@ class Jobs:
 
     def request(self, job_id: str) -> JobRequest:
         """The request of a job. Raises :class:`InputError` for an unknown id."""
-        return request_of(self._row(job_id, "request")["request"])
+        return STORED.validate_json(self._row(job_id, "request")["request"])
+
+    def requests(self, case: str) -> list[JobRequest]:
+        """Requests of the last jobs of a case, newest first."""
+        with self.workspace.store.connected() as base:
+            query = "SELECT request FROM jobs WHERE case_name = ? ORDER BY created_at DESC LIMIT ?"
+            rows = base.execute(query, (case, MAX_REMEMBERED)).fetchall()
+        return [STORED.validate_json(row["request"]) for row in rows]
 
     def _row(self, job_id: str, columns: str) -> sqlite3.Row:
         with self.workspace.store.connected() as base:
@@ -211,9 +205,7 @@ class Jobs:
         self.stop()
 
     def _check(self, request: JobRequest, text: str) -> str:
-        case = self.workspace.parse(request.case, text)
-        check_request(request, case)
-        return allowed_cost_text(cost_of(request, case, self.workers), self.limits)
+        return request.cost_text(self.workspace.parse(request.case, text), self.limits)
 
     def _queued(self, request: JobRequest) -> str:
         text = self.workspace.text(request.case)
@@ -232,7 +224,13 @@ class Jobs:
                 job_id = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime())}-{secrets.token_hex(4)}"
                 base.execute(
                     "INSERT INTO jobs (id, case_name, kind, request, state, text, created_at) VALUES (?, ?, ?, ?, 'queued', 'waiting', ?)",
-                    (job_id, request.case, request.kind, request_json(request), time.time()),
+                    (
+                        job_id,
+                        request.case,
+                        request.kind,
+                        STORED.dump_json(request).decode(),
+                        time.time(),
+                    ),
                 )
                 write_inputs(self.workspace, job_id, request, text)
             self._changed.notify_all()
@@ -280,7 +278,7 @@ class Jobs:
             row = base.execute(
                 "SELECT id, request FROM jobs WHERE state = 'queued' ORDER BY created_at, id LIMIT 1"
             ).fetchone()
-        return None if row is None else (row["id"], request_of(row["request"]))
+        return None if row is None else (row["id"], STORED.validate_json(row["request"]))
 
     def _follow(self, job_id: str, process: JobProcess) -> None:
         """Run one job to its end."""

@@ -33,10 +33,9 @@ class LiveChain:
     Parameters
     ----------
     case_text : the case (TOML)
-    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of masses, of a train
-        the model that its runs take unless that is the reduced rod, whose tables take seconds
-    engine_speed : crank speed, such as ``"5600 rpm"``; empty: the highest of the case
     folder : of the files that the case names
+    spring_model : name of a model; empty: the chain of masses, of a train the model that its runs take unless that is
+        the reduced rod, whose tables take seconds
 
     Raises
     ------
@@ -46,10 +45,7 @@ class LiveChain:
     _living = 0
     _count = threading.Lock()
 
-    def __init__(
-        self, case_text: str, spring_model: str = "", engine_speed: str = "", folder: Path = Path()
-    ) -> None:
-        self.engine_speed = engine_speed
+    def __init__(self, case_text: str, folder: Path = Path(), spring_model: str = "") -> None:
         with LiveChain._count:
             if LiveChain._living >= MAX_LIVE:
                 raise InputError(f"{MAX_LIVE} sliders are in use; close one of them", "slider")
@@ -68,14 +64,14 @@ class LiveChain:
         last is computed, the others come back
         ``skipped``.
         """
-        return self._chain.ask(LiveRequest(dict(changes), engine_speed or self.engine_speed))
+        return self._chain.ask(LiveRequest(dict(changes), engine_speed))
 
     def rod(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
         """The curve by the geometrically exact rod, in seconds; :meth:`cancel` ends it, and so does
         a new call of :meth:`rod`.
         """
         self._rod.stop()
-        return self._rod.ask(LiveRequest(dict(changes), engine_speed or self.engine_speed))
+        return self._rod.ask(LiveRequest(dict(changes), engine_speed))
 
     def float_speed(self, changes: Mapping[str, str] = _NOTHING) -> LiveResult:
         """The float speed (rpm) of a train, in ``quantities``, by a search of few runs, in seconds;

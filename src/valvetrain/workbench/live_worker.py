@@ -12,15 +12,13 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError, ValvetrainError
-from valvetrain.parameters.loading import case_of_tree, parse_case, parse_toml
+from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.train_numbers import margin_quantities
@@ -66,10 +64,6 @@ class LiveCase:
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
         self.case_text, self.folder, self.spring_model = case_text, folder, spring_model
         self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, PreparedRun, float]] = {}
-
-    @cached_property
-    def _tree(self) -> dict[str, Any]:
-        return parse_toml(self.case_text, "case")
 
     def answer(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
         """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
@@ -149,11 +143,7 @@ class LiveCase:
         key = tuple(sorted(changes.items()))
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
-            where = "case", self.folder, "case", given or None
-            if self._tree:
-                case = case_of_tree(self._tree, *where, self.case_text)
-            else:
-                case = parse_case(self.case_text, *where)
+            case = parse_case(self.case_text, "case", self.folder, "case", given or None)
             # tables of a reduced rod take a second or two for each place of a slider
             own = CHAIN if case.train is None else case.train.model_of()
             own = CHAIN if own == "reduced-rod" else own

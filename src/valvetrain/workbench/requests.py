@@ -1,155 +1,180 @@
-"""The request of a job, checked and turned into arguments of the command; no part of it reaches a
-shell.
+"""What a job computes: a request of a case, stored as a page sent it, and the command line that computes it; no part of it
+reaches a shell.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Literal, get_args
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
 
 from pydantic import TypeAdapter
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.loading import parse_toml
-from valvetrain.registry import find
-from valvetrain.runs.cost import Cost, Limits, RunRequest, cost_text, refuse_cost, request_cost
-from valvetrain.units import si_speeds
+from valvetrain.parameters.toml_text import toml_text
+from valvetrain.runs.cost import Cost, Limits, cost_text, refuse_cost
+from valvetrain.runs.request_fields import Option, option, options_of, read_count, read_text
+from valvetrain.runs.requests import (
+    Modes,
+    Refine,
+    Request,
+    Run,
+    RunUp,
+    SpeedRequest,
+    SpringRequest,
+    Static,
+    SteadyRequest,
+    Sweep,
+)
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files
 
-JobKind = Literal["run", "sweep", "study"]
-KINDS = get_args(JobKind)
-#: Speeds (rpm) of a sweep that names none, as the command has them.
-_SWEEP = "1000:9000:100 rpm"
-MAX_SPEEDS_LENGTH, MAX_STUDY_LENGTH = 2000, 200_000
+#: Longest text of one field (characters).
+MAX_LENGTH = 2000
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuantityStudy(SpringRequest, SteadyRequest):
+    """A case over one of its quantities, with one result: what a study file says in its simplest form."""
+
+    command = "study"
+
+    quantity: str = option(read_text, "Quantity that is varied.", metavar="KEY.PATH", default="")
+    lowest: str = option(read_text, "First value, with its unit.", metavar="VALUE", default="")
+    highest: str = option(read_text, "Last value, with its unit.", metavar="VALUE", default="")
+    points: int = option(partial(read_count, 2, 200), "Number of values.", metavar="N", default="9")
+    result: str = option(read_text, "Quantity of the answer.", metavar="NAME", default="preload")
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` without a quantity."""
+        if not self.quantity:
+            raise InputError("no quantity to vary is chosen; choose one", "quantity")
+
+    def file_text(self, case_file: str) -> str:
+        """The study file (TOML) of the case in ``case_file``."""
+        ends = {"low": self.lowest.strip(), "high": self.highest.strip()}
+        label = self.quantity.rpartition(".")[2].replace("_", " ")
+        study = {
+            "case": case_file,
+            "engine_speeds": self.typed.get("engine_speeds", ""),
+            "spring_sets": list(self.spring_sets),
+            "spring_models": list(self.models),
+            "outputs": [self.result],
+            "points": {"sampler": "grid", "levels": self.points},
+            "vary": [
+                {
+                    "key": self.quantity,
+                    "label": label,
+                    **{end: _number_or_text(text) for end, text in ends.items() if text},
+                }
+            ],
+        }
+        return toml_text({name: value for name, value in study.items() if value})
+
+
+#: What a job may compute, by the name of its command.
+REQUESTS: Mapping[str, type[Request]] = {
+    model.command: model for model in (Run, Sweep, QuantityStudy, RunUp, Static, Modes, Refine)
+}
+#: Fields that the server sets, or that a page has no field for.
+SET_HERE = ("case", "workers", "limit")
 
 
 @dataclass(frozen=True)
 class JobRequest:
-    """A request.
+    """A request as a page sends it and the database stores it.
 
     Parameters
     ----------
-    kind : ``run``, ``sweep`` or ``study``
+    kind : a command of :data:`REQUESTS`
     case : id of the case; it is read when the job is submitted
-    spring_models : words of spring models, empty for the case's own
-    engine_speeds : crank speeds as ``--rpm`` takes them, ``"4200, 5600 rpm"`` or
-        ``"1000:9000:100 rpm"``; empty for the case's own
-    spring_sets : spring sets of a train, empty for its own
-    study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
+    given : name of a field -> what was typed, ticked or chosen; the others have their defaults
     """
 
-    kind: JobKind
+    kind: str
     case: str
-    spring_models: tuple[str, ...] = ()
-    engine_speeds: str = ""
-    spring_sets: tuple[str, ...] = ()
-    study: str = ""
+    given: Mapping[str, str | bool | list[str]] = field(default_factory=dict)
 
-
-_ADAPTER = TypeAdapter(JobRequest)
-
-
-def check_request(request: JobRequest, case: Case) -> None:
-    """Refuse, with an :class:`InputError`, what the command line would refuse later, and what it
-    must never be shown.
-    """
-    if request.kind not in KINDS:
-        raise InputError(
-            f"'{clipped(str(request.kind), 20)}' is no kind of job; {nearest(str(request.kind), KINDS)}",
-            "kind",
-        )
-    for word in request.spring_models:
-        find("springs", word)
-    for word in request.spring_sets:
-        if case.train is None or word not in case.train.springs:
+    @property
+    def fields(self) -> dict[str, Option]:
+        """The fields that a page may give. Raises :class:`InputError` for an unknown kind."""
+        if self.kind not in REQUESTS:
+            kind = clipped(self.kind, 20)
             raise InputError(
-                f"'{clipped(word, 40)}' is no spring set of this case; choose one of its own",
-                "spring_sets",
+                f"'{kind}' is no kind of job; {nearest(kind, tuple(REQUESTS))}", "kind"
             )
-    if len(request.engine_speeds) > MAX_SPEEDS_LENGTH:
-        raise InputError(f"more than {MAX_SPEEDS_LENGTH} characters; give a range", "engine_speeds")
-    if request.engine_speeds:
-        si_speeds(request.engine_speeds, "engine_speed", "engine_speeds")
-    if request.kind == "study":
-        tree = _study_tree(request.study)
-        given = tree.get("changes")
-        refuse_foreign_files(case.text, dict(given) if isinstance(given, dict) else None)
+        return fields_of(REQUESTS[self.kind])
+
+    def read(self, case: Case) -> Request:
+        """The request of a ``case``. Raises :class:`InputError` for what the command would refuse, and what it
+        must never be shown.
+        """
+        fields = self.fields
+        for name, value in self.given.items():
+            if name not in fields:
+                raise InputError(f"'{clipped(name, 40)}' is no field of a {self.kind}", "job")
+            if value == []:
+                raise InputError(f"no {name.replace('_', ' ')} are chosen; tick one or more", name)
+            if isinstance(value, str) and len(value) > MAX_LENGTH:
+                raise InputError(f"more than {MAX_LENGTH} characters; give a range", name)
+        request = REQUESTS[self.kind].read({**self.given, "case": case})
+        for word in getattr(request, "spring_sets", ()):
+            if case.train is None or word not in case.train.springs:
+                raise InputError(
+                    f"'{clipped(word, 40)}' is no spring set of this case; choose one of its own",
+                    "spring_sets",
+                )
+        if isinstance(request, QuantityStudy):
+            refuse_foreign_files(case.text, {request.quantity: request.lowest})
+        return request
+
+    def command_line(self, file: str, workers: int, limits: Limits, folder: str) -> list[str]:
+        """Words of the command line; ``file``: the case, or the study file, whose points and answer go to ``folder``."""
+        words = [
+            self.kind,
+            "--json",
+            f"--limit={limits.seconds:.0f} s",
+            f"--limit={limits.bytes / 1e6:.0f} MB",
+        ]
+        if "workers" in options_of(REQUESTS[self.kind]):
+            words.append(f"--workers={workers}")
+        if self.kind == QuantityStudy.command:
+            return [*words, f"--output={folder}", "--", file]
+        for name, value in self.given.items():
+            flag, _, opposite = self.fields[name].flag.partition("/")
+            if isinstance(value, bool):
+                words += filter(None, [flag if value else opposite])
+            else:
+                texts = [value] if isinstance(value, str) else value
+                words += [f"{flag}={text}" for text in texts]
+        return [*words, "--", file]
+
+    def cost_text(self, case: Case, limits: Limits) -> str:
+        """What the request will cost, ``"about 12 s and 35 MB"``; empty where only its job can say. Raises
+        :class:`InputError` where it is refused or beyond the ``limits``.
+        """
+        request = self.read(case)
+        if isinstance(request, QuantityStudy):
+            return ""
+        if isinstance(request, SpeedRequest):
+            request = request.with_speeds()
+        cost: Cost = request.cost()  # type: ignore[attr-defined]
+        refuse_cost(cost, limits, "valvetrain serve --limit ")
+        return cost_text(cost)
 
 
-def command_arguments(
-    request: JobRequest, file: str, workers: int, limits: Limits, folder: str
-) -> list[str]:
-    """Words of the command line; ``file``: the case, or the study file, whose points and answer go
-    to ``folder``.
-    """
-    arguments = [
-        request.kind,
-        "--json",
-        f"--limit={limits.seconds:.0f} s",
-        f"--limit={limits.bytes / 1e6:.0f} MB",
-        f"--workers={workers}",
-    ]
-    if request.kind == "study":
-        return [*arguments, f"--output={folder}", "--", file]
-    arguments += [f"--model={word}" for word in request.spring_models] + [
-        f"--spring-set={word}" for word in request.spring_sets
-    ]
-    arguments += [f"--rpm={request.engine_speeds}"] if request.engine_speeds else []
-    return [*arguments, "--", file]
+#: The request as text of the database, and back.
+STORED = TypeAdapter(JobRequest)
 
 
-def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
-    """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
-    process does).
-    """
-    if request.kind == "study":
-        return Cost()
-    sweeps = request.kind == "sweep"
-    text = request.engine_speeds or (_SWEEP if sweeps else "")
-    speeds = si_speeds(text, "engine_speed", "engine_speeds") if text else None
-    asked = RunRequest(
-        request.kind, case, speeds, request.spring_models, request.spring_sets, workers
-    )
-    return request_cost(asked, not sweeps, sweeps)
+def fields_of(model: type[Request]) -> dict[str, Option]:
+    """The fields of a request that a page may give."""
+    fields = options_of(model).items()
+    return {name: one for name, one in fields if (one.flag or one.metavar) and name not in SET_HERE}
 
 
-def allowed_cost_text(cost: Cost, limits: Limits) -> str:
-    """The cost as text. Raises :class:`InputError` where it is beyond the bounds of a job."""
-    refuse_cost(cost, limits, "valvetrain serve --limit ")
-    return cost_text(cost)
-
-
-def study_text(request: JobRequest, case_file: str) -> str:
-    """The study file with the case put in."""
-    import tomlkit
-
-    document = tomlkit.parse(request.study)
-    document["case"] = case_file
-    return tomlkit.dumps(document)
-
-
-def _study_tree(text: str) -> dict[str, Any]:
-    if len(text) > MAX_STUDY_LENGTH:
-        raise InputError(
-            f"the study file is longer than {MAX_STUDY_LENGTH} characters; shorten it", "study"
-        )
-    tree = parse_toml(text, "study", "study file")
-    if "vary" not in tree or "outputs" not in tree:
-        raise InputError(
-            "a study needs outputs and at least one [[vary]] table; add them (docs/studies.md)",
-            "study",
-        )
-    return tree
-
-
-def request_json(request: JobRequest) -> str:
-    """The request as text, for the database."""
-    return _ADAPTER.dump_json(request).decode()
-
-
-def request_of(text: str) -> JobRequest:
-    """The request of :func:`request_json`."""
-    return _ADAPTER.validate_json(text)
+def _number_or_text(value: str) -> float | str:
+    return float(value) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else value

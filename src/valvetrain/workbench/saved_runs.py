@@ -23,7 +23,7 @@ from valvetrain.runs.saved_runs import SavedRun, read_answer
 from valvetrain.solution.atomic import atomic_path, write_bytes
 from valvetrain.units.text import clipped
 from valvetrain.workbench.side_files import StoredFile, stored_files
-from valvetrain.workbench.store import checked_name, inside, writing
+from valvetrain.workbench.store import MAX_LENGTH, checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are saved next to the runs.
@@ -227,8 +227,6 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
 
 #: Bounds of the tests of one run: files, and bytes together.
 MAX_TESTS, MAX_TESTS_BYTES = 5, 25_000_000
-#: Longest stem of the name of a saved test, and longest ending (characters).
-_STEM, _ENDING = 50, 10
 #: What is checked still holds when it is written: one change of the saved tests at a time.
 _turn = threading.RLock()
 
@@ -269,15 +267,15 @@ def saved_name(sent: str) -> str:
     ('cycles-2.csv', 'My-cycles-no-2-ef6dc0ac.csv')
     """
     sent = Path(sent).name
-    ending = Path(sent).suffix
-    stem = safe_name(sent.removesuffix(ending).lstrip("_.+- "))
-    ending = "".join(char for char in ending if char.isalnum() or char in "._-")[:_ENDING].rstrip(
-        "."
+    with suppress(InputError):
+        if len(sent) <= MAX_LENGTH:
+            return checked_name(sent)
+    parts = (
+        re.sub(r"\W+", "-", part)[:40].strip("-_") for part in (Path(sent).stem, Path(sent).suffix)
     )
-    if len(stem) > _STEM or f"{stem}{ending}" != sent or ".." in sent:
-        digest = hashlib.sha256(sent.encode("utf-8", "replace")).hexdigest()[:8]
-        stem = f"{re.sub(r'[.]{2,}', '.', stem)[: _STEM - 9].rstrip('.-')}-{digest}"
-    return checked_name(f"{stem}{ending}")
+    stem, ending = parts
+    digest = hashlib.sha256(sent.encode("utf-8", "replace")).hexdigest()[:8]
+    return checked_name(f"{stem or 'test'}-{digest}.{ending[:10]}".rstrip("."))
 
 
 def keep_test(run: Run, name: str, content: bytes) -> StoredFile:

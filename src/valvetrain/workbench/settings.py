@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import ipaddress
+import secrets
 from dataclasses import dataclass
+
+from valvetrain.errors import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,3 +54,43 @@ class ServeSettings:
         'http://127.0.0.1:8420/?token=abc'
         """
         return f"{self.address}?token={self.token}" if self.token else self.address
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches the address.
+
+    >>> is_loopback("127.0.0.1"), is_loopback("::1"), is_loopback("0.0.0.0"), is_loopback("10.0.0.5")
+    (True, True, False, False)
+    """
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
+
+
+def new_token() -> str:
+    """A random token of 192 bits.
+
+    >>> len(new_token()) > 30
+    True
+    """
+    return secrets.token_urlsafe(24)
+
+
+def check_settings(settings: ServeSettings) -> ServeSettings:
+    """The settings; raises :class:`InputError` for an address beyond this machine without a token,
+    or a short one.
+    """
+    if not settings.token and not is_loopback(settings.host):
+        raise InputError(
+            f"address '{settings.host}' is reached from elsewhere, so it needs a token",
+            "--host",
+        )
+    if settings.token and (
+        len(settings.token) < 16 or not settings.token.isascii() or not settings.token.isprintable()
+    ):
+        raise InputError(
+            "a token has at least 16 plain characters; leave the variable out to get a random one",
+            "VALVETRAIN_TOKEN",
+        )
+    return settings

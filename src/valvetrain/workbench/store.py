@@ -17,8 +17,6 @@ from valvetrain.units.text import clipped
 
 DATABASE = "workbench.sqlite"
 _TABLES = """
-CREATE TABLE IF NOT EXISTS cases (name TEXT PRIMARY KEY, origin TEXT NOT NULL, created_at TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS choices (name TEXT NOT NULL, key TEXT NOT NULL, value TEXT NOT NULL, PRIMARY KEY (name, key));
 CREATE TABLE IF NOT EXISTS changes (
     id INTEGER PRIMARY KEY, name TEXT NOT NULL, before TEXT NOT NULL, after TEXT NOT NULL
 );
@@ -31,7 +29,7 @@ CREATE INDEX IF NOT EXISTS jobs_by_case ON jobs (case_name, created_at);
 CREATE INDEX IF NOT EXISTS jobs_by_run ON jobs (run_id);
 """
 #: Layout of the tables above; a file of another layout is refused, never guessed at.
-_LAYOUT = 1
+_LAYOUT = 2
 
 
 class Store:

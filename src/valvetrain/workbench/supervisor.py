@@ -22,6 +22,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from valvetrain.solution.atomic import lock
+
 #: What a job is given to write what it finished, once it is requested to stop; time between two looks
 #: at the server, and at the memory (s).
 GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
@@ -40,7 +42,8 @@ def main(arguments: list[str]) -> int:
     its exit code or one of those above.
     """
     seconds, memory = float(arguments[0]), float(arguments[1])
-    held = _locked(arguments[2])
+    held = os.open(arguments[2], os.O_RDWR | os.O_CREAT, 0o600)
+    lock(held)
     begun, stop_time, reason, weighed = time.monotonic(), 0.0, 0, 0.0
     with suppress(ValueError):
         for name in ("SIGTERM", "SIGINT"):
@@ -50,6 +53,7 @@ def main(arguments: list[str]) -> int:
     job = subprocess.Popen(
         [*PROGRAM, *arguments[3:]], stdin=subprocess.DEVNULL, close_fds=True,
         pass_fds=(int(progress),) if progress.isdecimal() else (), preexec_fn=(lambda: _bound(memory)) if os.name == "posix" else None,
+        start_new_session=True,
     )  # fmt: skip
     while job.poll() is None:
         if not stop_time:
@@ -57,7 +61,7 @@ def main(arguments: list[str]) -> int:
             if now - begun > seconds:
                 reason = TIME_UP
             elif now - weighed > WEIGH:
-                reason, weighed = MEMORY_UP if memory_of_group() > memory else 0, now
+                reason, weighed = MEMORY_UP if memory_of_group(job.pid) > memory else 0, now
             if reason or _stop or _ended(lifeline):
                 stop_time = time.monotonic()
                 with suppress(OSError):
@@ -70,16 +74,6 @@ def main(arguments: list[str]) -> int:
     _kill_group(job)  # workers that a job left behind
     os.close(held)
     return reason or (code if code >= 0 else 128 - code)
-
-
-def _locked(name: str) -> int:
-    """The open file ``name``, locked where the system has such locks."""
-    handle = os.open(name, os.O_RDWR | os.O_CREAT, 0o600)
-    with suppress(ImportError, OSError):
-        import fcntl
-
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    return handle
 
 
 def _ended(lifeline: int) -> bool:
@@ -109,43 +103,24 @@ def bound_memory(most: float) -> None:
 
 
 def _kill_group(job: subprocess.Popen[bytes]) -> None:
-    """Kill the job with every worker of its own; this process, the leader of the group, stays."""
-    for number in _group():
-        with suppress(OSError):
-            os.kill(number, _KILL)
-    if sys.platform != "linux" and hasattr(
-        os, "killpg"
-    ):  # the group is unknown, so all processes but this one are checked
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        with suppress(OSError):
-            os.killpg(0, signal.SIGTERM)
+    """Kill the job with every worker of its own."""
+    with suppress(OSError, AttributeError):
+        os.killpg(job.pid, _KILL)
     with suppress(OSError):
         job.kill()
 
 
-def memory_of_group() -> float:
-    """Bytes of memory that the processes of this group hold, pages they share counted once each; 0
+def memory_of_group(group: int) -> float:
+    """Bytes of memory that the processes of a ``group`` hold, pages they share counted once each; 0
     where the system does not report it.
     """
     total = 0.0
-    for number in _group():
+    for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError, ValueError, IndexError):
-            fields = Path(f"/proc/{number}/statm").read_text("ascii").split()
-            total += (int(fields[1]) - int(fields[2])) * os.sysconf("SC_PAGE_SIZE")
+            if os.getpgid(int(entry.name)) == group:
+                fields = (entry / "statm").read_text("ascii").split()
+                total += (int(fields[1]) - int(fields[2])) * os.sysconf("SC_PAGE_SIZE")
     return total
-
-
-def _group() -> list[int]:
-    """The other processes of this group."""
-    mine, own = os.getpid(), os.getpgid(0) if hasattr(os, "getpgid") else 0
-    found = []
-    with suppress(OSError):
-        for entry in os.listdir("/proc"):
-            if entry.isdecimal() and int(entry) != mine:
-                with suppress(OSError):
-                    if os.getpgid(int(entry)) == own:
-                        found.append(int(entry))
-    return found
 
 
 def read_progress(line: bytes) -> tuple[float | None, str] | None:

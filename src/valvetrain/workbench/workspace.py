@@ -9,11 +9,9 @@ that may be done to them.
 from __future__ import annotations
 
 import os
-import shutil
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import lru_cache, wraps
 from pathlib import Path
 from typing import Concatenate, ParamSpec, TypeVar
@@ -128,7 +126,6 @@ class CaseCard:
     title : one line
     kind : ``library``, ``template`` or ``case``
     holds : tables it has, such as ``spring``, ``lift_law``, ``train``
-    origin : where a case of the workspace comes from
     fault : why it cannot be opened; empty where it can
     """
 
@@ -136,7 +133,6 @@ class CaseCard:
     title: str
     kind: str
     holds: tuple[str, ...] = ()
-    origin: str = ""
     fault: str = ""
 
 
@@ -196,10 +192,6 @@ class Workspace:
 
     def cases(self) -> list[CaseCard]:
         """Cases of the workspace, changed last first."""
-        with self.store.connected() as base:
-            origins = {
-                row["name"]: row["origin"] for row in base.execute("SELECT name, origin FROM cases")
-            }
         found = []
         for folder in self.cases_folder.iterdir():
             if folder.name.startswith(".") or not os.path.lexists(folder / CASE_FILE):
@@ -214,26 +206,25 @@ class Workspace:
             except OSError:  # removed meanwhile
                 continue
             name = clipped(folder.name, 200)
-            origin = origins.get(name, "")
-            found.append((changed, CaseCard(name, title, "case", holds, origin, fault)))
+            found.append((changed, CaseCard(name, title, "case", holds, fault)))
         return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
 
     @_in_turn
-    def new_case(self, name: str, template_or_library: str) -> CaseId:
-        """A new case from a case of the library or a template (:meth:`library`); its id.
+    def new_case(self, name: str, template_or_library: str, numbered: bool = False) -> CaseId:
+        """A new case from a case of the library or a template (:meth:`library`); its id, ``numbered`` where the name is
+        taken.
 
         Raises :class:`InputError` for a name that is taken or cannot be one, and an unknown source.
         """
-        ours, origin = self._free(name), f"template {template_or_library}"
+        ours = self._free(name, numbered)
         sides = dict[str, bytes]()
         if template_or_library in library_names():
             text = (LIBRARY / f"{template_or_library}.toml").read_text("utf-8")
-            origin = f"library case {template_or_library}"
             named = (LIBRARY / file for file in names_in(text))
             sides = {path.name: path.read_bytes() for path in named}
         else:
             text = template_text(template_or_library).replace("NAME", ours)
-        return self._put(ours, with_name(text, ours), origin, sides)
+        return self._put(ours, text, sides)
 
     def upload(
         self, name: str, content: bytes, side_files: Mapping[str, bytes] | None = None
@@ -267,7 +258,7 @@ class Workspace:
                 raise
         with self.turn:
             ours = self._free(name, numbered=True)
-            return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
+            return self._put(ours, text, sides)
 
     def text(self, case: CaseId) -> str:
         """The present case file. Raises :class:`InputError` for an unknown case."""
@@ -362,7 +353,7 @@ class Workspace:
     def duplicate(self, case: CaseId) -> CaseId:
         """A copy of a case; its id."""
         text, ours = self.text(case), self._free(case, numbered=True)
-        return self._put(ours, with_name(text, ours), f"copy of {case}", self.files(case))
+        return self._put(ours, text, self.files(case))
 
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files next to a case, by name."""
@@ -402,23 +393,6 @@ class Workspace:
                 "the case names this file, so it stays; name another in its place first", name
             )
         path.unlink(missing_ok=True)
-
-    # choices that a page remembers
-
-    def remember(self, case: CaseId, key: str, value: str) -> None:
-        """Save a choice made for a case, such as the speeds requested last."""
-        with self.store.connected() as base:
-            base.execute(
-                "INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000])
-            )
-
-    def remembered(self, case: CaseId) -> dict[str, str]:
-        """Choices saved for a case."""
-        with self.store.connected() as base:
-            return {
-                row["key"]: row["value"]
-                for row in base.execute("SELECT key, value FROM choices WHERE name = ?", (case,))
-            }
 
     # runs
 
@@ -489,14 +463,7 @@ class Workspace:
             base.execute(_FORGET_CHANGES, (case, case, MAX_CHANGES))
             write_text(self._file(case), text)
 
-    def _put(self, ours: CaseId, text: str, origin: str, sides: Mapping[str, bytes]) -> CaseId:
+    def _put(self, ours: CaseId, text: str, sides: Mapping[str, bytes]) -> CaseId:
         refuse_foreign_files(text)
-        new_folder(self.cases_folder, ours, text, sides)
-        try:
-            with self.store.connected() as base:
-                now = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"
-                base.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?)", (ours, origin, now))
-        except BaseException:
-            shutil.rmtree(self.cases_folder / ours, ignore_errors=True)
-            raise
+        new_folder(self.cases_folder, ours, with_name(text, ours), sides)
         return ours

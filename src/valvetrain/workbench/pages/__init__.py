@@ -52,7 +52,7 @@ def start(
     from valvetrain.workbench.pages import routes
     from valvetrain.workbench.pages.connections import tell_briefly, uvicorn_options
     from valvetrain.workbench.pages.desk import Desk
-    from valvetrain.workbench.safety import Guard
+    from valvetrain.workbench.pages.guard import Guard
 
     tell_briefly()
     desk = Desk(workspace, jobs, settings)

@@ -39,9 +39,10 @@ from valvetrain.workbench.pages.forms import (
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.live_curve import float_text, live_lines, live_numbers
-from valvetrain.workbench.pages.orders import choices_for, models_for, request_of, to_remember
+from valvetrain.workbench.pages.orders import orders_for
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
 from valvetrain.workbench.pages.runs import earlier, run_head, run_table
+from valvetrain.workbench.requests import JobRequest
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.workspace import CaseId
 
@@ -107,13 +108,12 @@ class CasePage:
     def build(self) -> None:
         """Make the page."""
         case_form = self.case_form()
-        remembered = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
             tag("h1", self.read.title or self.case)
             quantities = sliding(case_form.groups)
             self.order = Order(
                 {"estimate": self.estimate, "run": self.start},
-                **choices_for(self.read, quantities, remembered),
+                **orders_for(self.read, quantities, self.desk.jobs.requests(self.case)),
             )
             self.panel = JobPanel({"cancel": self.cancel, "again": self.again})
             self.newest = tag("p", classes="newest")
@@ -238,7 +238,7 @@ class CasePage:
         self.slide(quantities)
         self.figure.set_visibility(has_picture(self.read))
         await self.draw()
-        self.order.tell(quantities=quantities, models=models_for(self.read))
+        self.order.tell(**orders_for(self.read, quantities))
 
     async def copy(self) -> None:
         """A copy of the case, and its page."""
@@ -305,34 +305,30 @@ class CasePage:
         if refusal := await self.put(key, value):
             self.slider.answer([], [], refusal)
 
+    def wish(self, event: events.GenericEventArguments) -> JobRequest:
+        """The request of what was chosen."""
+        return JobRequest(str(event.args["kind"]), self.case, dict(event.args["given"]))
+
     # -- jobs
     # ----------------------------------------------------------------------------------------------------------------
 
     async def estimate(self, event: events.GenericEventArguments) -> None:
         """What the choice would cost, or why it cannot be run."""
-        wish: dict[str, Any] = event.args
-        if wish.get("kind") == "study" and not wish.get("key"):
-            self.order.tell(estimate="Choose the quantity to vary.", refusal="")
-            return
         try:
             async with self.line:
                 pass  # changes that were requested before are made; those that come need not wait for this
-            cost = await asyncio.to_thread(self.desk.jobs.estimate, request_of(self.case, wish))
+            cost = await asyncio.to_thread(self.desk.jobs.estimate, self.wish(event))
             self.order.tell(estimate=f"Takes {cost}." if cost else "", refusal="")
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
 
     async def start(self, event: events.GenericEventArguments) -> None:
         """Submit the job."""
-        wish: dict[str, Any] = event.args
         try:
-            await self.after_changes(lambda: self.desk.jobs.submit(request_of(self.case, wish)))
+            await self.after_changes(lambda: self.desk.jobs.submit(self.wish(event)))
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
             return
-        with suppress(ValvetrainError):
-            for key, value in to_remember(wish).items():
-                self.desk.workspace.remember(self.case, key, value)
         self.looks = -1
 
     def cancel(self) -> None:

@@ -75,9 +75,7 @@ class Desk:
                 found = None
             if found is None:
                 self._close_oldest()
-                found = OpenChain(
-                    LiveChain(text, folder=self.workspace.case_folder(case)), text, files
-                )
+                found = OpenChain(LiveChain(text, self.workspace.case_folder(case)), text, files)
             self.chains[case] = found
             for _ in range(MAX_TRIES):
                 if (

@@ -90,7 +90,9 @@ class Slider(Scripted, component="slider.js"):
 
 
 class Order(Scripted, component="order.js"):
-    """What to run: choices, ``estimate``, ``refusal``, and whether a job is running (``busy``)."""
+    """What to run: ``kinds`` of jobs with their fields, what is ``given``, ``estimate``, ``refusal``, and whether a job is
+    running (``busy``).
+    """
 
 
 class JobPanel(Scripted, component="job.js"):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Callable
 from dataclasses import asdict
-from hashlib import sha256
+from functools import lru_cache
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -22,63 +21,44 @@ from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.parts import Part, comparison_part, run_part, test_part
 from valvetrain.workbench.pages.pictures import FAULTS
 from valvetrain.workbench.saved_runs import Run, keep_test, read_test
-from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES, StoredFile
+from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 from valvetrain.workbench.store import writing
 
-#: Comparisons with a test that are cached while the server runs.
-MAX_OVERLAYS = 20
+#: Comparisons with a test that are cached, each with the bytes of its test.
+MAX_OVERLAYS = 5
 
 
-class Overlays:
-    """Comparisons of runs with tests as parts of a page; the last :data:`MAX_OVERLAYS` are cached, so that a
-    page that opens again has them at once.
+@lru_cache(maxsize=MAX_OVERLAYS)
+def _overlay(run: Run, name: str, content: bytes) -> Part:
+    """The comparison of a run with a test of this content as a part of a page."""
+    found = against(run, name, content)
+    if not found.runs:
+        raise InputError(
+            "; ".join(found.failures)
+            or "no run of this kind completed; run the case at the speed of the test",
+            "test",
+        )
+    return test_part(found)
 
-    Each is cached for the content it was made of: a test that takes the place of another is never
-    shown with the comparison of that.
+
+def _laid(run: Run, name: str, content: bytes) -> str:
+    """Lay a test over a run and store it with the run; its name there. Raises :class:`InputError` with the reason why it
+    cannot be.
     """
+    _overlay(run, Path(name).name, content)
+    return keep_test(run, name, content).name
 
-    def __init__(self) -> None:
-        self._made: dict[tuple[Path, bytes], Part] = {}
-        self._turn = threading.Lock()
 
-    def lay(self, run: Run, name: str, content: bytes) -> StoredFile:
-        """Lay a test over a run and store it with the run. Raises :class:`InputError` with the
-        reason why it cannot be.
-        """
-        found = against(run, Path(name).name, content)
-        if not found.runs:
-            raise InputError(
-                "; ".join(found.failures)
-                or "no run of this kind completed; run the case at the speed of the test",
-                "test",
-            )
-        made = test_part(found)
-        saved = keep_test(run, name, content)
-        self._keep(saved, content, made)
-        return saved
-
-    def part(self, run: Run, name: str) -> Part:
-        """The comparison with a test that was laid over a run. Raises :class:`InputError` where
-        there is none, or it cannot be read.
-        """
-        test, content = read_test(run, name)
-        with self._turn:
-            found = self._made.get((test.path, sha256(content).digest()))
-        if found is None:
-            found = test_part(against(run, test.name, content))
-            self._keep(test, content, found)
-        return found
-
-    def _keep(self, test: StoredFile, content: bytes, part: Part) -> None:
-        with self._turn:
-            self._made[test.path, sha256(content).digest()] = part
-            while len(self._made) > MAX_OVERLAYS:
-                del self._made[next(iter(self._made))]
+def _shown(run: Run, name: str) -> Part:
+    """The comparison with a test that was laid over a run. Raises :class:`InputError` where there is
+    none, or it cannot be read.
+    """
+    test, content = read_test(run, name)
+    return _overlay(run, test.name, content)
 
 
 def register(app: FastAPI, desk: Desk) -> None:
     """Add the addresses of parts, downloads and uploads."""
-    overlays = Overlays()
     app.add_exception_handler(ValvetrainError, _missing)
 
     @app.get("/part/{case}/{stamp}")
@@ -112,14 +92,12 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/part-test/{case}/{stamp}/{name}")
     def part_test(case: str, stamp: str, name: str) -> Response:
-        return _part(lambda: overlays.part(desk.workspace.run(f"{case}/{stamp}"), name))
+        return _part(lambda: _shown(desk.workspace.run(f"{case}/{stamp}"), name))
 
     @app.post("/upload/test")
     async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
-        return await _answered(
-            lambda: {"test": overlays.lay(desk.workspace.run(run), name, content).name}
-        )
+        return await _answered(lambda: {"test": _laid(desk.workspace.run(run), name, content)})
 
     @app.post("/upload/file")
     async def upload_file(request: Request, case: str, name: str) -> Response:

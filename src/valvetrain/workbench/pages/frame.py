@@ -70,11 +70,11 @@ async def warm() -> None:
 def _prepare() -> None:
     from valvetrain.parameters.loading import load_case
     from valvetrain.workbench.form import CaseForm
-    from valvetrain.workbench.pages.orders import choices_for
+    from valvetrain.workbench.pages.orders import orders_for
 
     case = load_case("job-c")
     CaseForm(case.text)
-    choices_for(case, (), {})
+    orders_for(case, ())
     for name in ("page.css", "parts.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
         address(name)
 

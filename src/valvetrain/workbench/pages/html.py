@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from valvetrain.errors import InputError, ValvetrainError
+from valvetrain.runs.cost import duration_text
 from valvetrain.workbench.jobs import JobStatus
 
 
@@ -33,19 +34,7 @@ def sentence_of(error: ValvetrainError, key: str = "") -> str:
     return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
 
 
-_TITLES = {"run": "Run", "sweep": "Sweep", "study": "Study"}
 _TONES = {"finished": "good", "failed": "bad", "cancelled": "warn", "interrupted": "warn"}
-
-
-def time_left_text(seconds: float | None) -> str:
-    """Words on the time left; empty while nothing can be said."""
-    if seconds is None:
-        return ""
-    return (
-        f"about {max(seconds, 1):.0f} s left"
-        if seconds < 90
-        else f"about {seconds / 60:.0f} min left"
-    )
 
 
 def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
@@ -53,12 +42,11 @@ def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
     if job is None:
         return None
     going = not job.ended
-    parts = (
-        (f"{100 * job.share:.0f} %", job.text, time_left_text(job.seconds_left))
-        if going and job.state == "running"
-        else (job.text,)
-    )
-    text_of = ", ".join(part for part in parts if part) if going else job.error
+    text_of = job.text if going else job.error
+    if job.state == "running":
+        left = job.seconds_left
+        left_text = "" if left is None else f"about {duration_text(left)} left"
+        text_of = ", ".join(filter(None, (f"{100 * job.share:.0f} %", job.text, left_text)))
     if job.state == "cancelled" and not text_of:
         text_of = (
             "Cancelled. What was finished is saved."
@@ -69,7 +57,7 @@ def job_shown(job: JobStatus | None) -> dict[str, Any] | None:
         text_of = text_of or "Waits for the job before it."
     return {
         "id": job.job_id,
-        "title": _TITLES.get(job.kind, job.kind),
+        "title": job.kind.capitalize(),
         "state": job.state,
         "tone": _TONES.get(job.state, ""),
         "going": going,

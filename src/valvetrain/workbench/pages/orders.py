@@ -1,26 +1,108 @@
-"""What may be run of a case, as the page offers it, and the request that a choice becomes."""
+"""The form of what may be run of a case, made from the fields of each request."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from valvetrain import registry
-from valvetrain.errors import InputError
-from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.toml_text import toml_text
+from valvetrain.runs.request_fields import Option
 from valvetrain.solution.definition import definition_of, label_of, names_for
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
-from valvetrain.workbench.jobs import JobRequest
+from valvetrain.workbench.form_fields import words_of
+from valvetrain.workbench.requests import REQUESTS, JobRequest, fields_of
 
 #: The model that a first run of a spring alone uses: seconds, and it moves.
-FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
-#: Points of a study, and letters of what its quantity is called.
-MIN_POINTS, MAX_POINTS, MAX_LABEL = 2, 200, 80
+FIRST_MODEL = "multi-mass"
+#: Labels of fields, where the words of their names are not enough.
+LABELS = {
+    "engine_speeds": "Engine speeds (crank)", "models": "Spring models", "first_engine_speed": "From", "last_engine_speed": "To",
+    "implausible": "Accept implausible values",
+}  # fmt: skip
+#: What holds where a field without a default is empty.
+USUAL = {"engine_speeds": "as the case says"}
+#: Kind of a job -> what it does.
+KINDS = {
+    "run": "Run at engine speeds", "sweep": "Sweep over engine speed", "study": "Study of a quantity", "run-up": "Run-up",
+    "static": "Static curve", "modes": "Modes", "refine": "Error bars",
+}  # fmt: skip
+
+Choice = dict[str, Any]
+
+
+def orders_for(
+    case: Case, quantities: Sequence[Mapping[str, Any]], earlier: Iterable[JobRequest] = ()
+) -> dict[str, Any]:
+    """What the page offers: the ``kinds`` of jobs, each with its ``fields``, and what is ``given`` to each of them at first.
+
+    Parameters
+    ----------
+    case : the case
+    quantities : of the form, which a study may vary
+    earlier : requests of the case, the newest first
+    """
+    choices: dict[str, list[Choice]] = {
+        "models": models_for(case),
+        "spring_sets": sets_for(case),
+        "quantity": [{"value": "", "label": "choose …"}, *map(_varied, quantities)],
+        "result": outputs_for(case),
+    }
+    kinds, given = [], {}
+    for kind in KINDS:
+        if (kind == "run-up" and case.train is None) or (
+            case.lift_law is None and kind in ("sweep", "study", "refine")
+        ):
+            continue
+        fields = [
+            _field(name, one, choices.get(name))
+            for name, one in fields_of(REQUESTS[kind]).items()
+            if name not in choices or choices[name]
+        ]
+        kinds.append({"kind": kind, "label": KINDS[kind], "fields": fields})
+        given[kind] = {one["name"]: one["value"] for one in fields}
+    for job in reversed(tuple(earlier)):
+        given.setdefault(job.kind, {}).update(job.given)
+    return {"kinds": kinds, "given": given}
+
+
+def _field(name: str, asked: Option, choices: list[Choice] | None) -> dict[str, Any]:
+    """A field as its script takes it, with the ``value`` that it has at first."""
+    kind: str = "text"
+    value: Any = ""
+    if choices is not None and asked.repeatable:
+        kind, value = "many", [one["value"] for one in choices if one["chosen"]]
+    elif choices is not None:
+        kind, value = "choice", choices[0]["value"]
+    elif not asked.metavar:
+        kind, value = "flag", "/" in asked.flag
+    return {
+        "name": name,
+        "label": LABELS.get(name, words_of(name).capitalize()),
+        "help": asked.meaning,
+        "kind": kind,
+        "choices": choices or [],
+        "usual": asked.default or USUAL.get(name, ""),
+        "value": value,
+    }
+
+
+def _varied(quantity: Mapping[str, Any]) -> Choice:
+    """A quantity of the form that a study varies, a fifth either way: farther away most points may be no engine."""
+    value, low, high = (float(quantity[name]) for name in ("value", "low", "high"))
+    ends = sorted((0.8 * value, 1.2 * value)) if value else (low, high)
+    first, last = max(low, ends[0]), min(high, ends[1])
+    sets = {
+        "lowest": f"{first:.4g} {quantity['unit']}",
+        "highest": f"{last:.4g} {quantity['unit']}",
+    }
+    return {
+        "value": quantity["key"],
+        "label": f"{quantity['group']}: {quantity['label']}",
+        "sets": {name: text.strip() for name, text in sets.items()},
+    }
 
 
 def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
@@ -31,23 +113,19 @@ def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
     return tuple(sets[case.train.spring_set or next(iter(sets))]) if sets else ()
 
 
-def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Spring models that can run the case: word, words, what they know; ``chosen`` or else the
-    default first one is ticked.
-    """
+def models_for(case: Case) -> list[Choice]:
+    """Spring models that can run the case, with what they know; the default first one is chosen."""
     springs = springs_of(case)
     fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, case)]
     names = [spec.word for spec in fit]
     first = FIRST_MODEL if case.train is None else case.train.model_of()
-    ticked = [word for word in chosen if word in names] or [
-        word for word in (first, *default_models(springs)) if word in names
-    ][:1]
+    chosen = [word for word in (first, *default_models(springs)) if word in names][:1]
     return [
         {
-            "word": spec.word,
+            "value": spec.word,
             "label": spec.label,
             "hint": f"knows {spec.knows}; leaves out {spec.leaves_out}",
-            "chosen": spec.word in ticked,
+            "chosen": spec.word in chosen,
         }
         for spec in fit
     ]
@@ -59,87 +137,17 @@ def _fits(spec: SpringModelSpec, case: Case) -> bool:
     return moves and bool(springs) and not any(spec.why_not(spring) for spring in springs)
 
 
-def sets_for(case: Case, remembered: str = "") -> list[dict[str, Any]]:
-    """Spring sets to choose from, where a train has more than one: word and whether it is ticked;
-    ``remembered``: those chosen last, a name on each line.
-    """
+def sets_for(case: Case) -> list[Choice]:
+    """Spring sets to choose from, where a train has more than one; that in use is chosen."""
     if case.train is None or len(case.train.springs) < 2:
         return []
-    names, last = list(case.train.springs), remembered.split("\n")
-    ticked = set(last) & set(names) or {case.train.spring_set or names[0]}
-    return [{"word": name, "chosen": name in ticked} for name in names]
+    names = list(case.train.springs)
+    in_use = case.train.spring_set or names[0]
+    return [{"value": name, "label": name, "chosen": name == in_use} for name in names]
 
 
-def to_remember(wish: Mapping[str, Any]) -> dict[str, str]:
-    """What of a choice is remembered for the next one of the case."""
-    speeds = {"sweep" if wish.get("kind") == "sweep" else "speeds": str(wish.get("speeds", ""))}
-    sets = {"sets": "\n".join(map(str, wish["sets"]))} if wish.get("sets") else {}
-    return speeds | {"models": ",".join(map(str, wish.get("models", ())))} | sets
-
-
-def outputs_for(case: Case) -> list[dict[str, str]]:
+def outputs_for(case: Case) -> list[Choice]:
     """Quantities that a study can have as outputs."""
     names = names_for("study", "spring" if case.train is None else "train")
     labels = (", ".join(filter(None, (label_of(one), definition_of(one).remark))) for one in names)
-    return [{"name": name, "label": label} for name, label in zip(names, labels, strict=True)]
-
-
-def choices_for(
-    case: Case, quantities: Sequence[Mapping[str, Any]], remembered: Mapping[str, str]
-) -> dict[str, Any]:
-    """All that the page offers; ``remembered``: what was chosen last."""
-    own = ", ".join(f"{speed / RPM:.10g}" for speed in case.operation.engine_speeds)
-    return {
-        "models": models_for(case, remembered.get("models", "").split(",")),
-        "sets": sets_for(case, remembered.get("sets", "")),
-        "speeds": remembered.get("speeds") or (f"{own} rpm" if own else "4000 rpm"),
-        "sweep": remembered.get("sweep") or SWEEP,
-        "quantities": list(quantities),
-        "outputs": outputs_for(case),
-    }
-
-
-def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
-    """The request of what was chosen on the page; ``sets`` are given where the train has more than
-    one.
-
-    Raises :class:`InputError` for a choice that is missing.
-    """
-    kind, models = str(wish.get("kind", "run")), tuple(map(str, wish.get("models", ())))
-    speeds, sets = str(wish.get("speeds", "")).strip(), tuple(map(str, wish.get("sets") or ()))
-    if not models:
-        raise InputError("no spring model is chosen; tick one or more", "spring models")
-    if wish.get("sets") is not None and not sets:
-        raise InputError("no spring set is chosen; tick one or more", "spring sets")
-    if kind in ("run", "sweep"):
-        return JobRequest("sweep" if kind == "sweep" else "run", case, models, speeds, sets)
-    if kind != "study":
-        raise InputError(f"'{kind[:20]}' is nothing to run; choose run, sweep or study", "kind")
-    return JobRequest("study", case, study=_study(case, models, sets, speeds, wish))
-
-
-def _study(
-    case: str, models: tuple[str, ...], sets: tuple[str, ...], speeds: str, wish: Mapping[str, Any]
-) -> str:
-    points = wish.get("points")
-    if not wish.get("key"):
-        raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
-    if not isinstance(points, (int, float)) or not MIN_POINTS <= points <= MAX_POINTS:
-        raise InputError(
-            f"the number of points is to be from {MIN_POINTS} to {MAX_POINTS}", "points"
-        )
-    vary = {name: str(wish.get(name, "")).strip() for name in ("key", "low", "high", "label")}
-    study = {
-        "case": case,
-        "engine_speeds": speeds,
-        "spring_sets": list(sets),
-        "spring_models": list(models),
-        "outputs": [str(wish.get("output", ""))],
-        "points": {"sampler": "grid", "levels": int(points)},
-        "vary": [{name: _number_or_text(text[:MAX_LABEL]) for name, text in vary.items() if text}],
-    }
-    return toml_text({name: value for name, value in study.items() if value})
-
-
-def _number_or_text(value: str) -> float | str:
-    return float(value) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else value
+    return [{"value": name, "label": label} for name, label in zip(names, labels, strict=True)]

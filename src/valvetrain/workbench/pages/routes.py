@@ -67,7 +67,7 @@ def home_page(desk: Desk) -> None:
 
 def _row(desk: Desk, card: CaseCard) -> str:
     """A case of the workspace in the list, with what is wrong with it where it cannot be opened."""
-    title, more = card.title or card.name, card.name if card.title else card.origin
+    title, more = card.title or card.name, card.name if card.title else ""
     text = f"<div><strong>{escape(title)}</strong><span>{escape(card.fault or more)}</span></div>"
     if card.fault:
         return f"<li>{text}</li>"
@@ -107,15 +107,10 @@ def _picture(address: str) -> None:
 
 async def begin(desk: Desk, card: CaseCard) -> None:
     """Make a case of a template or of a library case, under the first free name, and open it."""
-    taken = {one.name.lower() for one in desk.workspace.cases()}
-    stem = f"my-{card.name}" if card.kind == "template" else card.name
-    name = next(
-        one
-        for n in range(1, len(taken) + 2)
-        if (one := stem if n == 1 else f"{stem}-{n}").lower() not in taken
-    )
+    name = f"my-{card.name}" if card.kind == "template" else card.name
     try:
-        ui.navigate.to(f"/case/{await asyncio.to_thread(desk.workspace.new_case, name, card.name)}")
+        made = await asyncio.to_thread(desk.workspace.new_case, name, card.name, numbered=True)
+        ui.navigate.to(f"/case/{made}")
     except ValvetrainError as error:
         ui.notify(sentence_of(error))
 

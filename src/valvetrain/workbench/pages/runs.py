@@ -20,6 +20,7 @@ KINDS = {
     "static": "static curve",
     "modes": "modes",
     "run-up": "run-up",
+    "refine": "error bars",
 }
 _MAX_SPEEDS = 4
 
