@@ -5,11 +5,14 @@ Evidence: the readers of the command line and of study files take what is asked.
 
 from __future__ import annotations
 
+import pytest
+from pydantic import ValidationError
+
 from valvetrain.explore.requests import Study
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.cost import Limits
 from valvetrain.workbench.pages.orders import KINDS, orders_for
-from valvetrain.workbench.requests import REQUESTS, JobRequest
+from valvetrain.workbench.requests import REQUESTS, STORED, JobRequest
 
 QUANTITY = {
     "key": "train.lash", "label": "Lash", "group": "Train", "unit": "mm", "value": 0.15, "low": 0.1, "high": 0.2,
@@ -63,3 +66,12 @@ def test_a_quantity_of_the_form_reaches_the_study_file(tmp_path):
     path.write_text(request.file_text("tdi-pushrod"), encoding="utf-8")
     plan = Study.read({"file": path}).plan
     assert {chosen for _, _, chosen in plan.runs} == {"performance"}
+
+
+@pytest.mark.parametrize(
+    "given", [{"models": 64}, {"models": {"a": "b"}}, "models", [["models", 1]]]
+)
+def test_what_no_page_sends_is_never_stored(given):
+    """It would be read back when its job is due, and no other job would start."""
+    with pytest.raises(ValidationError):
+        STORED.validate_python({"kind": "run", "case": "c", "given": given})

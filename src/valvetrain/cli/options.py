@@ -315,17 +315,15 @@ def choose_case(
     A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
     placed at its option, not at a line of the file.
     """
-    from valvetrain.parameters.loading import library_names, load_case
+    from valvetrain.parameters.loading import load_case
     from valvetrain.parameters.overrides import read_assignment
-    from valvetrain.runs.saved_runs import run_of_path
 
     changes: dict[str, Any] = {}
     options: dict[str, str] = {}
     for text in settings or ():
         path, value = read_assignment(text, "--set")
         changes[path], options[path] = value, f"--set {path}"
-    saved = None if not name.strip() or name in library_names() else run_of_path(Path(name))
-    source = name if saved is None else saved.case_file
+    source = _source_of(name)
     try:
         paths = () if elements_per_coil is None else _spring_paths(load_case(source).text)
         for path in (f"{one}.{ELEMENTS}" for one in paths):
@@ -356,12 +354,17 @@ def _spring_paths(text: str) -> list[str]:
 def folder_of(name: str) -> Path:
     """Folder of the files that a case names."""
     from valvetrain.parameters.loading import LIBRARY, library_names
+
+    return LIBRARY if name in library_names() else Path(_source_of(name)).parent
+
+
+def _source_of(name: str) -> str | Path:
+    """What is loaded for the ``name`` of a case: the file of a saved run where it is its folder."""
+    from valvetrain.parameters.loading import library_names
     from valvetrain.runs.saved_runs import run_of_path
 
-    if name in library_names():
-        return LIBRARY
-    saved = run_of_path(Path(name))
-    return Path(name).parent if saved is None else saved.case_file.parent
+    saved = None if not name.strip() or name in library_names() else run_of_path(Path(name))
+    return name if saved is None else saved.case_file
 
 
 def _placed(error: InputError, options: dict[str, str]) -> InputError:

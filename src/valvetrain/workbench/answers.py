@@ -34,7 +34,7 @@ def compare(run_a: Run, run_b: Run) -> DifferenceAnswer:
     return DifferenceAnswer(differences(one, other))
 
 
-def against(run: Run, name: str, test_data: bytes, quantity: str = "") -> ModelAgainstTest:
+def against(run: Run, name: str, test_data: bytes) -> ModelAgainstTest:
     """Measured cycles, or a table of measured values, against the curves of a run, as ``valvetrain
     compare-test`` has them.
 
@@ -43,7 +43,6 @@ def against(run: Run, name: str, test_data: bytes, quantity: str = "") -> ModelA
     run : a saved run
     name : name of the file of the test, whose ending stays
     test_data : its content
-    quantity : as ``--quantity``
 
     Raises
     ------
@@ -61,7 +60,7 @@ def against(run: Run, name: str, test_data: bytes, quantity: str = "") -> ModelA
         path = inside(Path(folder), f"test{suffix}")
         path.write_bytes(test_data)
         try:
-            return compare_study_with_test(study, case, path, quantity=quantity)
+            return compare_study_with_test(study, case, path)
         except InputError as error:
             raise InputError(
                 error.reason,

@@ -36,8 +36,6 @@ JobState = Literal["queued", "running", "finished", "failed", "cancelled", "inte
 DEFAULT_LIMITS = Limits(3600.0, 4e9)
 #: Jobs that the database stores; older ones that have ended are deleted, their runs stay.
 MAX_ENDED = 1000
-#: Jobs of a case whose choices its page begins with.
-MAX_REMEMBERED = 10
 #: Time between two looks at the queue, and two tries to write what the disk did not take (s).
 LOOK = 5.0
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
@@ -144,13 +142,6 @@ class Jobs:
     def request(self, job_id: str) -> JobRequest:
         """The request of a job. Raises :class:`InputError` for an unknown id."""
         return STORED.validate_json(self._row(job_id, "request")["request"])
-
-    def requests(self, case: str) -> list[JobRequest]:
-        """Requests of the last jobs of a case, newest first."""
-        with self.workspace.store.connected() as base:
-            query = "SELECT request FROM jobs WHERE case_name = ? ORDER BY created_at DESC LIMIT ?"
-            rows = base.execute(query, (case, MAX_REMEMBERED)).fetchall()
-        return [STORED.validate_json(row["request"]) for row in rows]
 
     def _row(self, job_id: str, columns: str) -> sqlite3.Row:
         with self.workspace.store.connected() as base:

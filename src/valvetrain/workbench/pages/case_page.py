@@ -12,8 +12,9 @@ from functools import partial
 from typing import Any
 
 from nicegui import events, ui
+from pydantic import ValidationError
 
-from valvetrain.errors import ValvetrainError
+from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
@@ -42,7 +43,7 @@ from valvetrain.workbench.pages.live_curve import float_text, live_lines, live_n
 from valvetrain.workbench.pages.orders import orders_for
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
 from valvetrain.workbench.pages.runs import earlier, run_head, run_table
-from valvetrain.workbench.requests import JobRequest
+from valvetrain.workbench.requests import STORED, JobRequest
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.workspace import CaseId
 
@@ -50,6 +51,8 @@ from valvetrain.workbench.workspace import CaseId
 LOOK, SLOW_LOOK = 0.05, 10
 #: Groups of the form that are open at first, and earlier runs listed.
 OPEN_GROUPS, MAX_RUNS = 1, 8
+#: Jobs of the case whose choices its page begins with.
+MAX_JOBS = 10
 
 
 async def case_page(desk: Desk, case: CaseId) -> None:
@@ -107,13 +110,14 @@ class CasePage:
 
     def build(self) -> None:
         """Make the page."""
-        case_form = self.case_form()
+        case_form, jobs = self.case_form(), self.desk.jobs
+        earlier = [jobs.request(one.job_id) for one in jobs.jobs(self.case, MAX_JOBS)]
         with frame(self.read.title or self.case):
             tag("h1", self.read.title or self.case)
             quantities = sliding(case_form.groups)
             self.order = Order(
                 {"estimate": self.estimate, "run": self.start},
-                **orders_for(self.read, quantities, self.desk.jobs.requests(self.case)),
+                **orders_for(self.read, quantities, earlier),
             )
             self.panel = JobPanel({"cancel": self.cancel, "again": self.again})
             self.newest = tag("p", classes="newest")
@@ -306,8 +310,11 @@ class CasePage:
             self.slider.answer([], [], refusal)
 
     def wish(self, event: events.GenericEventArguments) -> JobRequest:
-        """The request of what was chosen."""
-        return JobRequest(str(event.args["kind"]), self.case, dict(event.args["given"]))
+        """The request of what was chosen. Raises :class:`InputError` for what no page of this server sends."""
+        try:
+            return STORED.validate_python({**event.args, "case": self.case})
+        except (ValidationError, TypeError):
+            raise InputError("this cannot be read; open the page again", "choice") from None
 
     # -- jobs
     # ----------------------------------------------------------------------------------------------------------------
