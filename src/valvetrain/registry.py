@@ -95,6 +95,7 @@ BUILT_IN["answers"] = {
     "TrainModes": "valvetrain.views.data:train_modes",
     "CriticalSpeeds": "valvetrain.views.data:critical_speeds",
     "Branches": "valvetrain.views.branches:BranchesAnswer",
+    "PartRanking": "valvetrain.views.parts:PartsAnswer",
     "Comparison": "valvetrain.views.data:comparison",
     "MeasuredCycles": "valvetrain.views.data:measured_cycles",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
@@ -230,6 +231,7 @@ BUILT_IN["rules"] = {
 BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
     "branches": "valvetrain.findings.rules_branches:RULES",
+    "parts": "valvetrain.findings.rules_parts:RULES",
     "scan": "valvetrain.scan.rules:RULES",
     "film": "valvetrain.film.rules:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",

@@ -195,7 +195,9 @@ def test_a_sweep_says_to_which_speed_control_is_kept():
     assert "W113" in two.codes and "W113" not in findings_of(lost).codes
     for one in (*codes.values(), swept("6000:8000:1000 rpm", None, ("stock", "performance"))):
         assert len(str(findings_of(one).verdict).split()) <= 25
-        assert Answer(one).next_step.startswith("valvetrain compare tdi-pushrod --rpm ")
+        parts = findings_of(one).verdict.code in ("W101", "W102")
+        asked = "study --parts tdi-pushrod" if parts else "compare tdi-pushrod --rpm "
+        assert Answer(one).next_step.startswith(f"valvetrain {asked}")
 
 
 @cache

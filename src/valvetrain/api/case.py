@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.branches import Branches
     from valvetrain.solution.critical import CriticalSpeeds
+    from valvetrain.solution.part_ranking import PartRanking
     from valvetrain.solution.result import Solution
     from valvetrain.solution.static import StaticCurve
     from valvetrain.solution.study import Study
@@ -235,6 +236,32 @@ class Case:
         from valvetrain.runs.api import critical_speeds
 
         return critical_speeds(self.parameters, engine_speeds, models, **options)
+
+    @known_arguments
+    def parts(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> PartRanking:
+        """Parts of its train by the engine speed of control that each gains when it alone is changed.
+
+        Parameters
+        ----------
+        engine_speeds : at which the train is searched as it is; by default to 1.2 times the red line
+        models : the spring model; the case's own by default
+        options : ``spring_sets``, name of the set that is changed, ``workers`` and others of :func:`valvetrain.sweep`
+
+        Returns
+        -------
+        PartRanking: ``best``, ``changes`` by gain with their ranges, ``plot()``, ``to_pandas()``
+
+        Raises
+        ------
+        InputError : a case without train, several spring sets or models
+        """
+        from valvetrain.runs.api import affordable
+        from valvetrain.runs.part_ranking import rank_parts
+        from valvetrain.runs.requests import Parts, Watch
+
+        watch = Watch(options.pop("progress", None))
+        given = {"case": self.parameters, "engine_speeds": engine_speeds, "models": models}
+        return rank_parts(affordable(Parts.read(given | options)), watch)
 
     def branches(self, engine_speeds: Any, models: Any = (), **options: Any) -> Branches:
         """Motions of its train over engine speed, rising and falling; as :func:`valvetrain.runs.branches`."""

@@ -12,10 +12,12 @@ import typer
 
 from valvetrain.cli.options import at_end
 from valvetrain.cli.outcome import WORTH_SAYING, deliver, tell
+from valvetrain.cli.parts import PartsLine, answer_parts
 from valvetrain.cli.request import CommandLine, add_command
 from valvetrain.cli.run_answer import show_page
 from valvetrain.explore.execution import Watch
 from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study
+from valvetrain.runs.requests import Parts
 
 if TYPE_CHECKING:
     from valvetrain.explore.results import ExploreAnswer
@@ -26,7 +28,7 @@ POINTS = "points"
 
 def register(app: typer.Typer) -> None:
     """Add ``study``."""
-    add_command(app, Study, CommandLine, study)
+    add_command(app, Study, PartsLine, study)
 
 
 def register_optimise(app: typer.Typer) -> None:
@@ -39,11 +41,14 @@ def register_identify(app: typer.Typer) -> None:
     add_command(app, Identify, CommandLine, identify)
 
 
-def study(request: Study, line: CommandLine, _: Path) -> None:
+def study(request: Study | Parts, line: PartsLine, folder: Path) -> None:
     """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
-    Sobol indices.
+    Sobol indices. With --parts: which part of an engine gains most engine speed.
     """
-    _answer(request, line)
+    if isinstance(request, Parts):
+        answer_parts(request, line, folder)
+    else:
+        _answer(request, line)
 
 
 def optimise(request: Optimise, line: CommandLine, _: Path) -> None:

@@ -292,6 +292,7 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
 RANGE = "[{range} rpm by {over}]"
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
+PARTS = "valvetrain study --parts {case}"
 KEPT = (*CONTACT, "float_excess_lift")
 LEFT = "[{most} and {least} left on the cam at {there}]"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
@@ -304,9 +305,9 @@ RULES = (
     Rule("D104", "notes", "{more} surges more at the speeds in use: {value} against {less}", surges, guide=TWO),
     Rule("W104", "decides", "not in control: {does} already at {speed}", never_held, CONTACT, "[{cause}]", COMPARE,
          guide="how-to/09-loft.md", unless=("D10",)),
-    Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", COMPARE, RANGE, DROPS, unless=("D10",)),
+    Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", PARTS, RANGE, DROPS, unless=("D10",)),
     Rule("W102", "decides", "in control to {speed}, {short} above the red line[ ({label})]", lost_beyond, CONTACT,
-         "then it {does}[, {cause}]", COMPARE, RANGE, DROPS, "ok", ("D10",)),
+         "then it {does}[, {cause}]", PARTS, RANGE, DROPS, "ok", ("D10",)),
     Rule("W103", "decides", "in control up to {speed}, the highest searched", held, CONTACT,
          "[{least} left on the cam][ {at}]", COMPARE, mark="ok", unless=("D10",)),
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",

@@ -283,6 +283,33 @@ class CompareSprings(Sweep):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Parts(Sweep):
+    """Parts of a train by the engine speed of control that each gains."""
+
+    command = "study"
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` for a case without a train, and several spring sets or models."""
+        super().__post_init__()
+        train = self.case.train
+        if train is None:
+            raise InputError(
+                f"case '{self.case.name}' has no [train], so no part of one can be ranked; give an engine, such as "
+                "'valvetrain new my-engine --kind pushrod' writes"
+            )
+        for name, given in (("models", self.models), ("spring_sets", self.spring_sets)):
+            if len(given) > 1:
+                raise InputError("parts are ranked of one spring set by one model; give one", name)
+        used = self.spring_sets or (train.spring_set or next(iter(train.springs)),)
+        object.__setattr__(self, "spring_sets", used)
+
+    def cost(self) -> Cost:
+        """Estimated time and memory: those of a sweep, and of some twelve more over a third of its speeds."""
+        swept = super().cost()
+        return Cost(5 * swept.seconds, swept.bytes)
+
+
+@dataclass(frozen=True, kw_only=True)
 class RunUp(SpringRequest, ParallelRequest):
     """A train from one engine speed to another at constant acceleration."""
 

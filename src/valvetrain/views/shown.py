@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # a list of files loads none of these
 SAID = ("M", "H", "W", "D", "F", "N", "Q", "J")
 #: How next steps begin that take ``--units``.
 WITH_UNITS = tuple(f"valvetrain {one} " for one in (
-    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card",
+    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "study --parts",
 ))  # fmt: skip
 
 

@@ -1,0 +1,118 @@
+"""Rules on a ranking of parts (W3): which part gains most control, and what leaves that open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from valvetrain.findings.engine import Fields, Hit, Rule, Subject
+from valvetrain.findings.words import about, digits_text, speed_text
+from valvetrain.solution.critical import RPM
+from valvetrain.solution.part_ranking import PartChange, PartRanking
+
+
+@dataclass(frozen=True)
+class PartFacts(Subject):
+    """Ranked parts of a train as rules read them."""
+
+    ranking: PartRanking
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the case."""
+        return self.ranking.case
+
+
+def gain_text(change: PartChange) -> str:
+    """What a part gains (rpm), with a sign."""
+    return f"{'+' * (change.gain > 0)}{digits_text(change.gain / RPM, 0, 2)}"
+
+
+def range_text(change: PartChange) -> str:
+    """The least and largest gain (rpm) where they differ: ``+450 to +500``."""
+    ends = [f"{round(one / RPM):+d}".replace("-", "−") for one in (change.least_gain, change.largest_gain)]  # fmt: skip
+    return "" if ends[0] == ends[1] else " to ".join(ends)
+
+
+def reached_text(engine_speed: float, ranking: PartRanking) -> str:
+    """Up to which speed (rpm) a train is controlled, among those searched."""
+    if engine_speed <= 0:
+        return f"< {speed_text(ranking.first_engine_speed, '')}"
+    if engine_speed > ranking.last_engine_speed:
+        return f"> {speed_text(ranking.last_engine_speed, '')}"
+    return about(engine_speed)
+
+
+def _best(facts: PartFacts, reaches: bool) -> Iterator[Hit]:
+    ranking, best = facts.ranking, facts.ranking.best
+    if best is None or not (best.gain > 0 and best.resolved):
+        return
+    red_line = ranking.red_line
+    short = 0.0 if red_line is None else red_line - best.engine_speed
+    if (short <= 0) is reaches:
+        fields: Fields = {
+            "part": best.part, "gain": gain_text(best), "range": range_text(best), "reached": reached_text(best.engine_speed, ranking),
+            "short": about(short) if short > 0 else "", "red": "" if red_line is None else speed_text(red_line, ""),
+        }  # fmt: skip
+        yield Hit(fields=fields)
+
+
+def enough(facts: PartFacts) -> Iterator[Hit]:
+    """The part that gains most reaches the red line, or none is stated."""
+    return _best(facts, reaches=True)
+
+
+def not_enough(facts: PartFacts) -> Iterator[Hit]:
+    """The part that gains most leaves control short of the red line."""
+    return _best(facts, reaches=False)
+
+
+def no_gain(facts: PartFacts) -> Iterator[Hit]:
+    """The whole range of no gain is above zero."""
+    best = facts.ranking.best
+    if best is not None and not (best.gain > 0 and best.resolved):
+        yield Hit(fields={"part": best.part, "range": range_text(best) or gain_text(best)})
+
+
+def held(facts: PartFacts) -> Iterator[Hit]:
+    """The train as it is is controlled at every speed searched."""
+    if facts.ranking.engine_speed > facts.ranking.last_engine_speed:
+        yield Hit(fields={"speed": speed_text(facts.ranking.last_engine_speed)})
+
+
+def never_held(facts: PartFacts) -> Iterator[Hit]:
+    """The train as it is is not controlled at the lowest speed searched."""
+    if facts.ranking.engine_speed <= 0:
+        yield Hit(fields={"speed": speed_text(facts.ranking.first_engine_speed)})
+
+
+def unknown(facts: PartFacts) -> Iterator[Hit]:
+    """Damping, which nobody knows, moves control by more than the best part does."""
+    best = facts.ranking.best
+    for one in facts.ranking.changes:
+        if best is not None and not one.chosen and abs(one.gain) > max(best.gain, 0.0):
+            fields: Fields = {"part": one.part, "gain": gain_text(one)}
+            yield Hit(fields=fields, severity=abs(one.gain))
+
+
+def assumed_retainer(facts: PartFacts) -> Iterator[Hit]:
+    """The mass of the retainer is part of that of the valve, and its share is assumed."""
+    if any(one.part == "titanium retainer" for one in facts.ranking.changes):
+        yield Hit()
+
+
+GAINS = "{part} gains most, {gain} rpm[ ({range})]"
+REACHED = "in control to {reached} rpm"
+PUT = "put it into the case file, then valvetrain sweep {case}"
+
+RULES = (
+    Rule("W301", "decides", GAINS, enough, reason=f"{REACHED}[, red line {{red}}]", step=PUT, mark="ok"),
+    Rule("W302", "decides", GAINS, not_enough, reason=f"{REACHED}, {{short}} rpm short of the red line", step=PUT, mark="warn"),
+    Rule("W303", "decides", "no part alone surely gains control: the best, {part}, {range} rpm", no_gain, mark="warn"),
+    Rule("W304", "decides", "no part needs a change: in control up to {speed}, the highest searched", held, mark="ok"),
+    Rule("W305", "decides", "no part can be ranked: not in control already at {speed}", never_held,
+         step="valvetrain sweep {case}"),
+    Rule("W311", "warns", "damping, which nobody knows, moves control more than any part: {part} {gain} rpm", unknown),
+    Rule("A120", "notes", "a steel retainer is taken as 16 % of what moves with the valve, titanium as 44 % lighter",
+         assumed_retainer, remark="share of the retainer"),
+)  # fmt: skip

@@ -1,0 +1,95 @@
+"""How much engine speed each part of a train gains when it alone is changed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from valvetrain.solution.critical import RPM
+from valvetrain.solution.display import frame
+from valvetrain.solution.saveable import Saveable
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Unit of each number of a change.
+UNITS = {
+    "engine_speed": "rad/s", "gain": "rad/s", "least_gain": "rad/s", "largest_gain": "rad/s", "seat_load_change": "N", "stress_change": "Pa",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class PartChange:
+    """A part that alone is changed.
+
+    ``part``: what is changed and how; ``price``: what that costs; ``engine_speed`` (rad/s of the crank): up to which the
+    changed train is controlled, 0 where it is not at the lowest speed searched, infinite where it is at the highest.
+    ``gain`` (rad/s) of that speed, and the ``least_gain`` and ``largest_gain`` that finer numerics, another spring model and
+    other damping of both trains give. ``seat_load_change`` (N), and ``stress_change`` (Pa) of the wire at full lift, NaN
+    of a spring without a wire. ``chosen``: whether a shop can choose it; else it is what nobody knows.
+    ``refusal``: why the changed train cannot run, whose numbers are NaN then.
+    """
+
+    part: str
+    price: str = ""
+    engine_speed: float = math.nan
+    gain: float = math.nan
+    least_gain: float = math.nan
+    largest_gain: float = math.nan
+    seat_load_change: float = 0.0
+    stress_change: float = math.nan
+    chosen: bool = True
+    refusal: str = ""
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the whole range is a gain, or the whole a loss."""
+        return self.least_gain > 0 or self.largest_gain < 0
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class PartRanking(Saveable):
+    """Parts of a train by the engine speed of control that each gains.
+
+    ``case``: its name; ``label`` of the train as it is, controlled up to ``engine_speed`` (rad/s of the crank; as in :class:`PartChange`);
+    changed trains were searched from ``first_engine_speed`` to ``last_engine_speed``. ``changes``: the largest gain first.
+    ``seat_load`` (N); ``red_line`` (rad/s) and ``text`` of the case.
+
+    >>> lighter = PartChange("valve 10 % lighter", engine_speed=800.0, gain=50.0, least_gain=40.0, largest_gain=60.0)
+    >>> PartRanking("own", "stock", 750.0, 500.0, 900.0, (lighter,)).best.part
+    'valve 10 % lighter'
+    """
+
+    case: str
+    label: str
+    engine_speed: float
+    first_engine_speed: float
+    last_engine_speed: float
+    changes: tuple[PartChange, ...] = ()
+    seat_load: float = math.nan
+    red_line: float | None = None
+    text: str = ""
+
+    @property
+    def choices(self) -> tuple[PartChange, ...]:
+        """Parts that a shop can choose and that run, the largest gain first."""
+        return tuple(one for one in self.changes if one.chosen and not one.refusal)
+
+    @property
+    def best(self) -> PartChange | None:
+        """The part that gains most; None where none was searched."""
+        return next(iter(self.choices), None)
+
+    def __repr__(self) -> str:
+        rows = [
+            f"{one.part}: {one.refusal or f'{one.gain / RPM:+.0f} rpm'}" for one in self.changes
+        ]
+        return "\n  ".join((f"parts of {self.label}, by rpm of control gained", *rows))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row per change, SI; the units of its numbers are in ``attrs["units"]``."""
+        names = ("part", *UNITS, "chosen", "price", "refusal")
+        made = frame({name: [getattr(one, name) for one in self.changes] for name in names})
+        made.attrs["units"] = {name: UNITS.get(name, "") for name in names}
+        return made
