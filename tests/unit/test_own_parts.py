@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 
 import valvetrain as vt
 from valvetrain import registry
+from valvetrain.api.points import StudyPoint
 from valvetrain.coil_contact.law import contact_response
 from valvetrain.coil_contact.law import law_of as coil_law_of
 from valvetrain.contact.library import build_contact_law
@@ -334,3 +335,16 @@ def test_a_lift_function_is_taken_by_its_key_path_as_by_its_name():
 def test_a_function_where_no_law_is_due_is_refused():
     with pytest.raises(InputError, match="is no value of a case"):
         vt.Spring(preload=PRELOAD, rate=lambda x: RATE)
+
+
+def test_points_of_a_study_are_known_by_what_their_functions_capture():
+    """Contract: stored points of a function are not taken for those of the same text with another value."""
+
+    def scaled(factor):
+        return lambda run: factor * run.quantities["peak_spring_force"]
+
+    known_by = [
+        StudyPoint(vt.Case("job-t"), [scaled(factor)], {}, "2000 rpm", "massless").__qualname__
+        for factor in (1.0, 1.0, 2.0)
+    ]
+    assert known_by[0] == known_by[1] != known_by[2]

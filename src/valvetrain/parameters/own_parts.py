@@ -54,11 +54,15 @@ def own_name(part: Any) -> OwnName:
     """
     known = str(getattr(part, "word", "") or getattr(part, "__name__", type(part).__name__))
     plain = re.sub(r"[^A-Za-z0-9]+", "-", known).strip("-")[:MAX_LENGTH] or "own"
-    digest = hashlib.sha256(b"\0".join(_content(part, {}))).hexdigest()[:8]
-    name = OwnName(f"{plain}-{digest}")
+    name = OwnName(f"{plain}-{part_digest(part)[:8]}")
     if name not in registry.OWN:
         registry.OWN[name] = copy.deepcopy(part)  # what is changed later is another part
     return name
+
+
+def part_digest(part: Any) -> str:
+    """Hexadecimal digest of what decides the numbers of a function, class or instance."""
+    return hashlib.sha256(b"\0".join(_content(part, {}))).hexdigest()
 
 
 def carrying(word: str) -> str:
