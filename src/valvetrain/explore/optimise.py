@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,15 +33,7 @@ AROUND, TRIAL_BYTES = 0.03, 2e4
 FEWER = "trials, speeds or models"
 
 
-@dataclass(frozen=True, slots=True)
-class SearchEstimate:
-    """What a search will cost before it starts, at most."""
-
-    trials: int
-    cost: Cost
-
-
-def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
+def search_cost(plan: OptimumPlan, workers: int) -> Cost:
     """Estimated cost of a plan: every trial to the end of its scans, and the confirmations."""
     trials = plan.search.trials + 1
     computing = trials * plan.seconds + sum(2 * one.seconds for one in plan.confirmations.values())
@@ -49,7 +41,7 @@ def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
     points = sum(len(one.runs) for one in plan.measures)
     points += sum(len(one.engine_speeds) + CLOSER for one in searched)
     memory = trials * (TRIAL_BYTES + 500.0 * points) + 1.2e8 * (workers_here(workers) + 1)
-    return SearchEstimate(trials, Cost(trials * AROUND + computing / max(1, workers), memory))
+    return Cost(trials * AROUND + computing / max(1, workers), memory)
 
 
 def run_search(
@@ -65,8 +57,8 @@ def run_search(
     for evaluation in evaluations:
         refuse_outputs(evaluation)
     with on_cluster(execution.dask, execution.workers) as count:
-        estimate = estimate_search(plan, count)
-        watch.admit(estimate.cost, execution.limit, f"{estimate.trials} trials at most", FEWER)
+        work = f"{plan.search.trials + 1} trials at most"
+        watch.admit(search_cost(plan, count), execution.limit, work, FEWER)
         with quiet_optuna():
             pass  # a library that is not installed is said before the first run
         with Engine(evaluations, count, execution.output) as points:
