@@ -11,7 +11,6 @@ import xarray
 
 from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
@@ -24,6 +23,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
 from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.solution.study import LiftEvent, Study
+from valvetrain.solution.uncertainty import Comparison, Finding
 
 SPEED = ENGINE_SPEED
 COILS = np.arange(0.0, 7.25, 0.5)

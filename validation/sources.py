@@ -11,7 +11,7 @@ from validation.explained import Explained, explained_miss
 from validation.row import Row, book_case
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
-from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.units import to_unit
 
 #: Agreement required of a published value whose source or case states no tolerance: 3 degrees of an

@@ -35,7 +35,7 @@ KNOWN = {
     "runs/refine_trains.py:_prepare_variants": "no number, a sentence among the failures",
     "runs/refine_trains.py:_run": "no number, a sentence among the failures",
     "runs/run_up.py:member_revolutions": "a run with the status diverged and no number",
-    "solution/partial_failures.py:PartialFailures.part": "a sentence among the failures",
+    "solution/status.py:PartialFailures.part": "a sentence among the failures",
     "springs/chain_from_rod.py:_reference": "the chain is refused with the reason",
     "springs/own_functions.py:Behaviour.entry": "Python runs the same function",
     "springs/own_kernels.py:plain_entry.entry": "a force that is no number: the run diverges",

@@ -20,7 +20,7 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.status import PartialFailures
 from valvetrain.views import study_files as write
 from valvetrain.views.answer import Answer
 from valvetrain.views.files import FreeNames

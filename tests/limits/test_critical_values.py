@@ -22,8 +22,7 @@ from valvetrain.runs import critical_scan
 from valvetrain.runs.critical_speeds import standing_force
 from valvetrain.runs.prepared import prepare
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.facts import with_code
-from valvetrain.solution.status import Cause
+from valvetrain.solution.status import Cause, with_code
 from valvetrain.system.build import build
 
 TEMPLATE = Path(vt.__file__).parent / "templates" / "pushrod.toml"

@@ -11,7 +11,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.solution.facts import with_code
+from valvetrain.solution.status import with_code
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.build import build
 

@@ -18,8 +18,8 @@ from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.runs.api import simulate
 from valvetrain.solution.channels import FINE, spring_channels
-from valvetrain.solution.facts import with_code
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import with_code
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.views.motion.project import motion_data

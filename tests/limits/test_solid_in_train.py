@@ -16,7 +16,7 @@ from valvetrain.runs import own_error_bars
 from valvetrain.runs.api import simulate
 from valvetrain.runs.run_up import run_up
 from valvetrain.runs.train_runs import train_modes
-from valvetrain.solution.facts import with_code
+from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 from valvetrain.system.driven import DrivenSprings, RecordedMotion
 

@@ -32,9 +32,8 @@ from valvetrain.quantities.valve_events import (
 )
 from valvetrain.runs.prepared import prepare
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Event, PartialFailures
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem

@@ -19,7 +19,7 @@ from valvetrain.film.frames import MAX_PIXELS, open_film
 from valvetrain.film.motion import coil_motion
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, read_space_time
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.status import PartialFailures
 from valvetrain.views.page import page_of
 from valvetrain.views.results import answer_of
 

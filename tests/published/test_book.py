@@ -23,7 +23,7 @@ from book_page import assert_page_holds
 from valvetrain.citations import references
 from valvetrain.cosserat import quaternion
 from valvetrain.cosserat.static import RodStatics
-from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.uncertainty import Comparison
 
 QUICK = [case for case in book() if not case.slow]
 #: Cases that take most of the time: solids, energies and reduced rods; `make validate` runs them too.

@@ -16,7 +16,7 @@ from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.explore.outputs import Run
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.solution.facts import with_code
+from valvetrain.solution.status import with_code
 from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.build import build

@@ -17,7 +17,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.cost import RunRequest, planned
-from valvetrain.solution.facts import with_code
+from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 
 SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'

@@ -17,11 +17,11 @@ from synthetic_study import (
     train_run,
     train_study,
 )
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.json import status_object, study_json
 from valvetrain.views.results import write_study
 

@@ -21,9 +21,8 @@ from synthetic_study import (
 )
 from valvetrain.errors import InputError
 from valvetrain.solution.netcdf import load_netcdf, load_result
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.quantity import Quantity
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import PartialFailures, Status
 from valvetrain.views import results
 from valvetrain.views.answer import Answer
 from valvetrain.views.json import study_json

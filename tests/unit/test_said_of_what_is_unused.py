@@ -13,7 +13,7 @@ from valvetrain.parameters.installed_spring import DampingParameters, Guide, Ins
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.api import simulate, static_curve
 from valvetrain.runs.facts import case_facts
-from valvetrain.solution.facts import with_code
+from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 
 PAIR = """

@@ -22,10 +22,10 @@ from beehive_study.modal import forces_of_equation_5
 from valvetrain.cam.contract import build_lift_law
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.solution.comparison import Comparison, SampleRange
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Comparison, SampleRange
 from valvetrain.sources.contract import GU2021
 
 Array = NDArray[np.float64]

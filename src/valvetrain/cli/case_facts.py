@@ -121,7 +121,6 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     """
     from valvetrain.runs.prepared import largest_lift
     from valvetrain.runs.statics import point_of
-    from valvetrain.springs.spec import spring_model
     from valvetrain.system.build import default_model
 
     if problem is None or not problem.moves:
@@ -132,7 +131,7 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     for spring in (*case.springs, *(one for springs in sets for one in springs)):
         closed = spring.precompression
         try:
-            model = spring_model(default_model(spring)).build(spring)
+            model = problem.model_of(default_model(spring), spring)
             found[spring] = point_of(spring, model, closed), point_of(spring, model, closed + lift)
         except InputError as error:
             found[spring] = error.reason

@@ -27,7 +27,7 @@ from valvetrain.cli.outcome import (
 )
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnusualValueWarning
 from valvetrain.runs.stopping import exit_code, listening, noted
-from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE
+from valvetrain.solution.status import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"

@@ -19,7 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from valvetrain.errors import InputError
-from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, reason
+from valvetrain.solution.status import TRACEBACK_VARIABLE, reason
 
 _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 

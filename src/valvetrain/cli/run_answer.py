@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
+    from valvetrain.solution.status import PartialFailures
     from valvetrain.solution.study import Study
     from valvetrain.views.files import UnfinishedRun
     from valvetrain.views.shown import Shown
@@ -129,9 +129,8 @@ def _saved_outcome(
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import busy
-    from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.views.results import answer_json, write_answer
+    from valvetrain.solution.status import PartialFailures
+    from valvetrain.views.results import answer_json
     from valvetrain.views.text import rpm
 
     gaps = PartialFailures(unfinished.gaps.sentences)
@@ -218,8 +217,8 @@ def keep_run(
         definitions,
         save_run,
     )
-    from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
+    from valvetrain.solution.status import PartialFailures
     from valvetrain.views.files import UnfinishedRun
 
     missing = PartialFailures() if gaps is None else gaps
@@ -286,7 +285,7 @@ def saved_result(
     """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
-    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.solution.status import PartialFailures
     from valvetrain.units.reader import for_reader
     from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen

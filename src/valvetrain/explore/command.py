@@ -111,7 +111,7 @@ def _deliver(command: str, answer: ExploreAnswer, open_page: bool) -> None:
     from valvetrain.cli.progress import busy
     from valvetrain.explore.results import answer_json, write_files
     from valvetrain.solution.atomic import write_text
-    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.solution.status import PartialFailures
     from valvetrain.views.terminal import screen
 
     assert answer.folder is not None

@@ -41,11 +41,9 @@ from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
 from valvetrain.solution.definition import ADDED, NESTED, PAIR
-from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.status import COMPLETED, PartialFailures, Status, reason
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN

@@ -28,9 +28,8 @@ from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.requests import Run as RunOfCase
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Status, reason
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem

@@ -10,7 +10,7 @@ from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
 from valvetrain.findings.rules_train import SEAT
 from valvetrain.findings.words import Amount, joined
-from valvetrain.solution.facts import Fact
+from valvetrain.solution.status import Fact
 
 #: Fields of a fact that its rule names, as text or amounts.
 Reader = Callable[[Fact], Fields]

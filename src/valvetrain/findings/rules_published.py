@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import Amount, speed_text
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.uncertainty import Comparison
 
 FITTED = "calibration"
 FORCES, MOTIONS = ("force",), ("length", "velocity", "acceleration")

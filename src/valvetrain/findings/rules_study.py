@@ -10,8 +10,8 @@ from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import BARELY, BOUNCE, CONTACT, FLOAT, cause, rigid_force
 from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.facts import with_code
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import with_code
 
 #: Status -> what a run did.
 ENDED = {

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.solution.comparison import Comparison, SampleRange
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
+from valvetrain.solution.uncertainty import Comparison, SampleRange
 
 #: A whole turn (rad).
 TURN = 2 * np.pi

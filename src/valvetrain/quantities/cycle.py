@@ -47,8 +47,8 @@ class Cycle:
         """
         if not self.solution.has(name):
             return None
-        places = self._places(name)
-        if places.size == 0 or np.min(np.abs(places - coil)) > reach:
+        places = self.solution.arrays.along(name)
+        if places is None or places.size == 0 or np.min(np.abs(places - coil)) > reach:
             return None
         values, order = self.channel(name), np.argsort(places)
         places = places[order]
@@ -78,11 +78,6 @@ class Cycle:
             return False
         step = 1.5 * float(np.median(np.diff(self.cam_angle)))
         return bool(self.cam_angle[0] <= first + step and self.cam_angle[-1] >= last - step)
-
-    def _places(self, name: str) -> Array:
-        places = self.solution.arrays.along(name)
-        assert places is not None
-        return places
 
 
 def is_closed(solution: Solution) -> bool:

@@ -33,9 +33,8 @@ from valvetrain.quantities.train_numbers import (
 from valvetrain.quantities.valve_events import lost_durations, run_events
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.definition import tables
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Event, PartialFailures
 
 #: Channels of rigid theory that are added to a train's run -> SI unit and words.
 RIGID_CHANNELS = {

@@ -12,8 +12,8 @@ from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.runs.prepared import Plan, PreparedRun
 from valvetrain.runs.train_runs import train_point
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Fact
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 

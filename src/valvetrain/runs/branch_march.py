@@ -27,7 +27,7 @@ from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.train_runs import prepare_trains
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.branches import Branches, BranchPoint
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.status import PartialFailures
 from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem

@@ -15,8 +15,8 @@ from valvetrain.runs.requests import Compare, Watch
 from valvetrain.runs.run import run_problem
 from valvetrain.runs.statics import STEPS, reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, build

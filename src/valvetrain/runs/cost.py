@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
@@ -150,28 +149,11 @@ MOST_HEIGHTS = 10**12
 VARIANTS, FINER = 13.0, 3.0
 
 
-class Request(Protocol):
+@dataclass(frozen=True, slots=True)
+class RunRequest:
     """A request for a study: engine speeds in rad/s of the crank (None: the case's own), names of
     models and spring sets.
     """
-
-    @property
-    def command(self) -> str: ...
-    @property
-    def case(self) -> Case: ...
-    @property
-    def engine_speeds(self) -> tuple[float, ...] | None: ...
-    @property
-    def models(self) -> tuple[str, ...]: ...
-    @property
-    def spring_sets(self) -> tuple[str, ...]: ...
-    @property
-    def workers(self) -> int: ...
-
-
-@dataclass(frozen=True, slots=True)
-class RunRequest:
-    """A request of a program."""
 
     command: str
     case: Case
@@ -181,7 +163,7 @@ class RunRequest:
     workers: int
 
 
-def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
+def planned(request: RunRequest) -> list[tuple[tuple[str, ...], Sequence[InstalledSpring]]]:
     """(spring models, installed springs) of every part of the study, as
     :func:`valvetrain.system.build.build` chooses them.
     """
@@ -219,7 +201,7 @@ def mesh_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, floa
     return points * coils, math.prod(counts) / math.prod(defaults.values())
 
 
-def request_cost(request: Request, whole: bool = True, searches: bool = False) -> Cost:
+def request_cost(request: RunRequest, whole: bool = True, searches: bool = False) -> Cost:
     """Cost of a request: every model at every speed, its runs stored ``whole`` or without channels; ``searches``: with
     the critical speeds of a train.
     """
@@ -252,7 +234,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
     return total
 
 
-def run_up_cost(request: Request, ramp: tuple[float, float, float]) -> Cost:
+def run_up_cost(request: RunRequest, ramp: tuple[float, float, float]) -> Cost:
     """Cost of a run-up between two crank speeds (rad/s) in a time (s): that of steady runs over as many revolutions."""
     first, last, duration = ramp
     mean = (first + last) / 2

@@ -17,7 +17,7 @@ from valvetrain.runs.error_bars import divided
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.critical import DAMPING_FACTORS, RPM, RangeMember, SpeedBracket
-from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.status import reason
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem

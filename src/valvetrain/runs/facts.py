@@ -13,9 +13,8 @@ from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.between_speeds import between_facts
 from valvetrain.runs.prepared import FAILURES, largest_lift
 from valvetrain.runs.stored_error_bars import load_uncertainty
-from valvetrain.solution.facts import Fact, distinct
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Detail
+from valvetrain.solution.status import Detail, Fact, distinct
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 from valvetrain.units import believed

@@ -33,8 +33,8 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Fact
 from valvetrain.solution.uncertainty import ErrorBars, NoErrorBar, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.contract import TRAIN

@@ -26,11 +26,10 @@ from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.runs.stopping import noted
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.force_peak import BANDWIDTH
-from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import PartialFailures, Status, reason
 from valvetrain.springs.contract import LargeSpring, SpringWithModes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import spring_model

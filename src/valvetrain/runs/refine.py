@@ -47,8 +47,8 @@ from valvetrain.runs.stored_error_bars import ROD
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.definition import pattern_of, tables
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import reason
 from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.finite_element import FiniteElementRod, modal_result
 from valvetrain.system.build import build

@@ -39,8 +39,8 @@ from valvetrain.runs.refusals import checked_speeds
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
 from valvetrain.solution.critical import DAMPING_FACTORS
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import reason
 from valvetrain.solution.uncertainty import CONSTANTS, Uncertainty
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem

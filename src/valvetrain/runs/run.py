@@ -40,10 +40,10 @@ from valvetrain.runs.workers import (
     Progress,
 )
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import PartialFailures, reason
 from valvetrain.solution.study import INTERRUPTED, Study
 from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source, published_by

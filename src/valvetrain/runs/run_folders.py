@@ -99,7 +99,12 @@ def mark_unfinished(folder: Path) -> int:
     """
     folder.mkdir(parents=True, exist_ok=True)
     refuse_living(folder)
-    remove_unfinished(folder)
+    if (folder / LIST).is_file():  # of a killed run, whose files this one replaces
+        names = []
+        for line in whole_lines(folder / LIST):
+            with suppress(ValueError, TypeError, KeyError):
+                names.append(str(json.loads(line)["file"]))
+        remove_files(folder, (*filter(_RUN_FILE.fullmatch, names), LIST))
     handle = os.open(folder / LIST, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     if not lock(handle):  # begun at the same moment
         os.close(handle)
@@ -119,17 +124,6 @@ def _occupied(folder: Path) -> InputError:
         f"another run writes into folder '{clipped(str(folder), 120)}'; wait for it or choose another",
         "--output",
     )
-
-
-def remove_unfinished(folder: Path) -> None:
-    """Remove the files that a killed run listed in ``folder``, which another one takes over."""
-    if not (folder / LIST).is_file() or is_living(folder / LIST):
-        return
-    names = []
-    for line in whole_lines(folder / LIST):
-        with suppress(ValueError, TypeError, KeyError):
-            names.append(str(json.loads(line)["file"]))
-    remove_files(folder, (*filter(_RUN_FILE.fullmatch, names), LIST))
 
 
 def remove_files(folder: Path, names: Iterable[str]) -> None:

@@ -34,12 +34,10 @@ from valvetrain.runs.requests import RunUp, Watch
 from valvetrain.runs.stopping import PointsStopped, StudyStopped, shows_progress
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics, preloads
 from valvetrain.runs.workers import Progress, map_points
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.force_peak import bandwidth_of
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Fact, Status, reason
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN

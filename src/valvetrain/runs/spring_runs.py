@@ -33,9 +33,9 @@ from valvetrain.runs.workers import (
     return_memory,
     threads,
 )
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.solution.status import reason
 from valvetrain.system.problem import Member, Problem
 
 #: Engine speed (rad/s) below which the arrays of a run are large enough to be given back at once.

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 from valvetrain.parameters.loading import library_names
 from valvetrain.runs.error_bars import grouped
-from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.status import Fact
+from valvetrain.solution.uncertainty import Comparison, Uncertainty
 
 if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy

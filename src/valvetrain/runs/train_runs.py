@@ -29,10 +29,9 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.stopping import PointsStopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress, map_points
 from valvetrain.solution.modes import TrainModes
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import PartialFailures, Status
 from valvetrain.system.build import build
 from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.mode_tracking import modes_to_full_lift

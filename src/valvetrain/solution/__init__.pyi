@@ -1,5 +1,4 @@
 from valvetrain.solution.branches import Branches as Branches
-from valvetrain.solution.comparison import Comparison as Comparison
 from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
 from valvetrain.solution.modes import ModalResult as ModalResult
 from valvetrain.solution.modes import TrainModes as TrainModes
@@ -11,3 +10,4 @@ from valvetrain.solution.result import save_csv as save_csv
 from valvetrain.solution.static import StaticCurve as StaticCurve
 from valvetrain.solution.status import Event as Event
 from valvetrain.solution.status import Status as Status
+from valvetrain.solution.uncertainty import Comparison as Comparison

@@ -10,7 +10,7 @@ from importlib import metadata
 from types import MappingProxyType
 from typing import Literal
 
-from valvetrain.solution.facts import Fact
+from valvetrain.solution.status import Fact
 
 #: Packages whose version can change a number.
 DEPENDENCIES = ("numpy", "scipy", "numba", "xarray")

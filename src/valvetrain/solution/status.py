@@ -1,11 +1,15 @@
-"""Status and events of a run: how it ended (a value, never an exception) and what happened in it."""
+"""How a run ended (a value, never an exception), what happened in it, what it rests on, and which part of a result failed."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from types import MappingProxyType
+from typing import NamedTuple, ParamSpec, TypeVar
+
+from valvetrain.errors import InputError
 
 #: Every way a run can end (docs/architecture.md).
 STATUS_CODES = (
@@ -124,3 +128,109 @@ class Event:
         # A mappingproxy does not pickle, and sweeps send results between processes.
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return Event, tuple((values | {"details": dict(self.details)}).values())
+
+
+#: Code -> its fields: SI numbers, names and words.
+FIELDS: dict[str, tuple[str, ...]] = {
+    "assumed-wire": (),
+    "default-contacts": ("places", "restitution"),
+    "no-damping": ("spring",),
+    "no-friction": ("place",),
+    "assumed-ramp": ("velocity",),
+    "split-loads": (
+        "rates_by", "preloads_by", "outer_rate", "inner_rate", "outer_preload", "inner_preload", "outer_free_length", "inner_free_length",
+    ),
+    "not-the-default": ("model", "reason"),
+    "chain-of-wire": ("spring", "surge_frequency", "force_error", "second_frequency_error", "better"),
+    "buckles": ("spring", "compression", "open_compression"),
+    "unknown-solid-height": ("spring",),
+    "other-solid-height": ("spring", "stated", "computed"),
+    "card-alone": ("spring",),
+    "ends-pull": ("label", "engine_speed"),
+    "ends-bonded": ("label", "engine_speed"),
+    "follows-a-train": ("label", "engine_speed", "driver", "repeats", "force_difference"),
+    "spike": ("engine_speed", "raw_force", "force_below_5_khz"),
+    "above-solid": ("spring", "solid_force", "label", "engine_speed", "force", "stress"),
+    "above-strength": ("label", "engine_speed", "stress"),
+    "between-speeds": ("label", "engine_speeds"),
+    "worse-between": ("label", "quantity", "engine_speed", "value", "next_engine_speed", "next_value"),
+    "calibration-spread": ("quantity", "engine_speed", "low", "high"),
+    "too-hard": ("label", "engine_speed", "peak_share", "minimum_share"),
+    "run-up": ("first_engine_speed", "last_engine_speed", "duration"),
+}  # fmt: skip
+
+
+class Fact(NamedTuple):
+    """A ``code`` of :data:`FIELDS` with its ``fields``: SI numbers, names and words; NaN for an unknown number.
+
+    >>> Fact("card-alone", {"spring": "outer"}).fields["spring"]
+    'outer'
+    """
+
+    code: str
+    fields: Mapping[str, Detail] = {}
+
+
+def with_code(facts: Iterable[Fact], code: str) -> tuple[Fact, ...]:
+    """The facts of one code, such as ``assumed-ramp``."""
+    return tuple(one for one in facts if one.code == code)
+
+
+def distinct(facts: Iterable[Fact]) -> tuple[Fact, ...]:
+    """The facts, each once, in their order."""
+    found: list[Fact] = []
+    for one in facts:
+        if one not in found:
+            found.append(one)
+    return tuple(found)
+
+
+P = ParamSpec("P")
+Part = TypeVar("Part")
+#: Environment variable that lets unexpected errors pass with their traceback.
+TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
+
+
+class PartialFailures:
+    """Collects a sentence per part that failed.
+
+    >>> failures = PartialFailures()
+    >>> failures.part("share of closed coils", {}, lambda: {"share": 1 / 0})
+    {}
+    >>> failures.sentences
+    ('share of closed coils: ZeroDivisionError: division by zero',)
+    """
+
+    def __init__(self, known: Iterable[str] = ()) -> None:
+        self._sentences = list(known)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What failed, and why."""
+        return tuple(dict.fromkeys(self._sentences))
+
+    def add(self, sentence: str) -> None:
+        """Add the sentence of a failure."""
+        self._sentences.append(sentence)
+
+    def part(
+        self, name: str, instead: Part, build: Callable[P, Part], /, *args: P.args, **more: P.kwargs
+    ) -> Part:
+        """The result of ``build(*args)``; where it fails, ``instead``, and the failure is added."""
+        try:
+            return build(*args, **more)
+        except Exception as error:  # whatever it is, the other parts of the result are there
+            if os.environ.get(TRACEBACK_VARIABLE):
+                raise
+            self.add(f"{name}: {reason(error)}")
+            return instead
+
+
+def reason(error: BaseException) -> str:
+    """What happened in one line; an unexpected error with its kind."""
+    message = " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return "the memory was not enough"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return message if isinstance(error, InputError) else f"{type(error).__name__}: {message}"

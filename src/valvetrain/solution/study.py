@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
-from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import value_text, verdict_first
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
@@ -29,7 +27,8 @@ from valvetrain.solution.quantity import (
 from valvetrain.solution.result import Solution
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.solution.uncertainty import ErrorBars
+from valvetrain.solution.status import Fact
+from valvetrain.solution.uncertainty import Comparison, ErrorBars, Finding
 from valvetrain.units import Given
 
 if TYPE_CHECKING:

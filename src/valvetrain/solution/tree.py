@@ -67,16 +67,11 @@ class Trunk:
         if isinstance(item, Path):
             return {"path": str(item)}
         if isinstance(item, Mapping) and not isinstance(item, Quantities):
-            return self._mapping(item, path)
+            kind = next((name for name, one in _MAPPINGS.items() if type(item) is one), "dict")
+            within = {key: f"{path}.{key}" if isinstance(key, str) else path for key in item}
+            pairs = [[self.of(key, path), self.of(one, within[key])] for key, one in item.items()]
+            return {"mapping": kind, "pairs": pairs}
         return self._compound(item, path)
-
-    def _mapping(self, item: Mapping[Any, Any], path: str) -> Any:
-        kind = next((name for name, one in _MAPPINGS.items() if type(item) is one), "dict")
-        pairs = [
-            [self.of(key, path), self.of(one, f"{path}.{key}" if isinstance(key, str) else path)]
-            for key, one in item.items()
-        ]
-        return {"mapping": kind, "pairs": pairs}
 
     def _compound(self, item: Any, path: str) -> Any:
         kind = type(item)

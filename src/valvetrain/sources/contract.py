@@ -19,12 +19,12 @@ from valvetrain.parameters.schema_types import AngularSpeed, first_problem
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.cycle import Array, Cycle, Frame, reported_cycle
 from valvetrain.quantities.signal import Window
-from valvetrain.solution.comparison import Finding
 from valvetrain.solution.display import value_text
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantities, Quantity, same_speed, unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent, Study
+from valvetrain.solution.uncertainty import Finding
 from valvetrain.sources.reader import Reader, Sampling
 from valvetrain.sources.readings import KNOWN_KEYS, Reading
 from valvetrain.sources.rows import NAMES, path_of

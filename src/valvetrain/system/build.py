@@ -181,14 +181,10 @@ def default_model(spring: InstalledSpring) -> str:
 
 
 def default_models(springs: tuple[InstalledSpring, ...]) -> tuple[str, ...]:
-    """Models of a spring case that names none."""
-    if all(spring.wire is not None for spring in springs):
-        return WIRE_MODELS
-    return (
-        CARD_MODELS
-        if all(spring.wire is not None or (spring.card and spring.card.mass) for spring in springs)
-        else BARE_MODELS
-    )
+    """Models of a spring case that names none: those of its spring that is known least."""
+    models = set(map(default_model, springs))
+    known = CARD_MODELS if "modal-uniform" in models else WIRE_MODELS
+    return BARE_MODELS if "massless" in models else known
 
 
 def _train_members(
@@ -290,9 +286,6 @@ def _free_label(label: str, taken: list[str]) -> str:
 
 
 def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:
-    rubs = rubbing is not None and rubbing.coefficient > 0 and rubbing.normal_force > 0
-    return (
-        RadialRubbing(rubbing.coefficient, rubbing.normal_force)
-        if rubbing is not None and rubs
-        else None
-    )
+    if rubbing is None or not (rubbing.coefficient > 0 and rubbing.normal_force > 0):
+        return None
+    return RadialRubbing(rubbing.coefficient, rubbing.normal_force)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.text import in_unit, rpm
 
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the

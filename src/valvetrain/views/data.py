@@ -12,12 +12,12 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import Findings
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeeds, places_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.modes import ModalResult, TrainModes
 from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import ANGLE, BAD, LEAD, OTHER, SPEEDS, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable

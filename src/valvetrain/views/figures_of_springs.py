@@ -9,8 +9,8 @@ from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.style import (
     ANGLE,
     BAD,

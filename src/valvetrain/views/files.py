@@ -23,8 +23,8 @@ from valvetrain.runs.run_folders import LIST as RUNS_LIST
 from valvetrain.runs.run_folders import mark_unfinished
 from valvetrain.solution.atomic import append_whole, write_text
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import PartialFailures
 from valvetrain.views.json import engine_speed_object, quantities_object, status_object
 
 #: Bytes of a name's stem, so that endings and the name of a temporary file next to it fit into the

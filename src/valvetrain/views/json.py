@@ -13,16 +13,15 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.findings.engine import measured as measured
 from valvetrain.quantities.limits import passed_limits
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, SpeedBracket
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, named
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Fact, Status
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.text import rpm
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ import jinja2
 import plotly.graph_objects as go
 
 from valvetrain.errors import InputError
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.status import PartialFailures
 from valvetrain.views.motion.project import motion_data
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import in_reader_units

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from valvetrain.findings.words import RPM, digits_text, speed_text
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.solution.uncertainty import Comparison
 from valvetrain.units.reader import shown_system
 from valvetrain.views.table import TextTable
 

@@ -16,9 +16,9 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_cut_off
 from valvetrain.solution.display import MAX_ROWS, table
 from valvetrain.solution.force_peak import bandwidth_of
-from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
 from valvetrain.views.answer import Answer

@@ -15,9 +15,9 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution, save_csv
 from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.views.csv_table import Table, comparison_table, table
 from valvetrain.views.files import FreeNames, remove_earlier

@@ -32,8 +32,8 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.train_runs import member_statics, rigid_numbers
 from valvetrain.solution.definition import label_of, shown
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import reason
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds

@@ -14,9 +14,9 @@ from valvetrain.errors import InputError
 from valvetrain.findings.words import speed_text
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import reason
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem

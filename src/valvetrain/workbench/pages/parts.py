@@ -8,7 +8,7 @@ from typing import Any
 
 from valvetrain.compare_test import ModelAgainstTest
 from valvetrain.errors import InputError
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.status import PartialFailures
 from valvetrain.views.page import Content, content_of, packed, packed_parts, part_of, unpacked
 from valvetrain.views.results import answer_of
 from valvetrain.workbench.answers import compare
