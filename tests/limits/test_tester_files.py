@@ -222,6 +222,18 @@ def test_one_station_far_off_leaves_the_rate():
         assert force_curve(place[:20] * 4, 160e3 * place[:20] + noise).scatter > 100
 
 
+@pytest.mark.parametrize("column", [0, 1])
+def test_a_cell_that_was_mistyped_is_a_doubt(tmp_path, column):
+    """The travel of a station reads zero, or its force ten times less: the force falls where the spring is pressed further."""
+    place = np.arange(25.0)
+    rows = np.column_stack(
+        [place, np.round(40 * place + np.random.default_rng(2).normal(0, 1, 25), 1)]
+    )
+    rows[4, column] /= (1e6, 10)[column]
+    table = read_force_height(file_of(tmp_path, rows), free_length=56e-3)
+    assert [doubt.code for doubt in table.doubts] == ["Z107"]
+
+
 def test_a_rate_that_no_spring_has_is_refused():
     place = np.arange(20) * 1e-6
     with pytest.raises(InputError, match="no spring has"):

@@ -128,13 +128,13 @@ def _loops(parts: list[Any], name: str) -> tuple[list[Array], list[tuple[Array, 
             circles.append((points[:-1].mean(axis=0), points))
         else:
             curves.append(points)
-    closed = [len(edge) > 2 and np.hypot(*(edge[0] - edge[-1])) < GAP * size for edge in curves]
-    loops = [edge for edge, is_loop in zip(curves, closed, strict=True) if is_loop]
-    edges = [
-        edgeminer.make_edge(tuple(edge[0]), tuple(edge[-1]), payload=edge)
-        for edge, is_loop in zip(curves, closed, strict=True)
-        if not is_loop
-    ]
+    loops: list[Array] = []
+    edges: list[edgeminer.Edge] = []
+    for points in curves:
+        if len(points) > 2 and np.hypot(*(points[0] - points[-1])) < GAP * size:
+            loops.append(points)
+        else:
+            edges.append(edgeminer.make_edge(points[0], points[-1], payload=points))
     if not edges:
         return loops, circles
     deposit = edgeminer.Deposit(edges, gap_tol=GAP * size)
@@ -142,7 +142,7 @@ def _loops(parts: list[Any], name: str) -> tuple[list[Array], list[tuple[Array, 
         for chain in edgeminer.find_all_loops(deposit, timeout=5):
             if len(chain) > STRAIGHT or any(len(edge.payload) > 2 for edge in chain):
                 loops.append(np.concatenate([_forward(edge) for edge in chain]))
-    except TimeoutError as error:
+    except edgeminer.TimeoutError as error:  # the library's own, no OSError
         raise InputError(
             f"the lines of '{name[:80]}' cross in too many ways; keep the cam's outline alone"
         ) from error

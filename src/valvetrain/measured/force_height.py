@@ -290,6 +290,12 @@ def _doubts(read: ForceHeight, name: str) -> list[Doubt]:
             Doubt("Z106", f"loading and unloading differ by up to {200 * read.hysteresis / top:.2g} % of the largest force",
                   name, "look for friction in the tester, and for a spring that rubs on a guide")
         )  # fmt: skip
+    fall = float(np.max(np.maximum.accumulate(read.forces) - read.forces))
+    if fall > 8 * curve.scatter + 0.01 * top:
+        doubts.append(
+            Doubt("Z107", f"the force falls by {fall:.2g} N while the spring is pressed further", name,
+                  "look for a station whose travel or force is off, then correct or delete it")
+        )  # fmt: skip
     if len(travel) >= 8 and curve.scatter > 0.02 * top:
         doubts.append(
             Doubt("Z107", f"a station scatters by {curve.scatter:.2g} N, {100 * curve.scatter / top:.2g} % of the largest force",

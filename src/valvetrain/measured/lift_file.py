@@ -7,9 +7,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,7 +111,7 @@ class LiftAnswers:
     peak_lift, duration, opening : of a table of fractions: m; rad of the angle meant by
         ``angle_of``, length of the event and its begin
 
-    >>> LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="inch").given("lift_unit")
+    >>> LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="inch").lift_unit
     'inch'
     """
 
@@ -148,10 +147,6 @@ class LiftAnswers:
                     f"a column is one of {', '.join(COLUMN_NAMES)}, not '{word[:40]}'; correct the list",
                     "columns",
                 )
-
-    def given(self, question: str) -> Any:
-        """The answer to one question, None or empty where it is open."""
-        return getattr(self, question)
 
 
 #: Larger files are no tables of lifts.
@@ -321,7 +316,7 @@ class _AnswerSheet:
 
     def answer(self, question: str) -> str:
         if question not in self.resolved:
-            requested, said = self.given.given(question), self.found.said.get(question, "")
+            requested, said = getattr(self.given, question), self.found.said.get(question, "")
             if requested and said and requested != said:
                 raise InputError(
                     f"{question} is {requested} as requested, but the file says {said}; leave the answer out or correct the file",
@@ -345,9 +340,7 @@ class _AnswerSheet:
         missing = [
             question
             for question in needed
-            if not self.given.given(question)
-            and self.given.given(question) != 0.0
-            and not self.found.said.get(question)
+            if getattr(self.given, question) in ("", None) and not self.found.said.get(question)
         ]
         lifts = [
             unit
@@ -422,18 +415,15 @@ def _cam_angles(found: LiftColumns, place: int, known: _AnswerSheet) -> Array:
 
 
 def _check_angles(angles: Array, name: str) -> None:
-    steps = np.diff(angles)
-    if not (np.all(steps > STEP) or np.all(steps < -STEP)):
-        sign = 1.0 if angles[-1] > angles[0] else -1.0
-        place = next(
-            index for index, (one, two) in enumerate(pairwise(sign * angles)) if two <= one + STEP
-        )
-        raise InputError(
-            f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it"
-        )
     if len(angles) < 8:
         raise InputError(
             f"{name[:80]} holds {len(angles)} stations; a table of lifts needs eight or more"
+        )
+    steps = np.diff(angles) * np.sign(angles[-1] - angles[0])
+    if np.min(steps) <= STEP:
+        place = int(np.argmin(steps))
+        raise InputError(
+            f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it"
         )
     if abs(angles[-1] - angles[0]) > TURN * (1 + 1e-9):
         raise InputError(

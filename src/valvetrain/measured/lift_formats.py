@@ -165,20 +165,14 @@ def _unit(unit: str) -> str:
 
 def write_columns(table: LiftTable) -> bytes:
     """Comma-separated text that says all it means: cam degrees and mm."""
-    out = io.StringIO()
-    out.write(f"# {table.lift_of} lift over the cam angle; zero of the angle: {table.zero}\n")
-    out.write(
-        ",".join(
-            [
-                "cam angle [deg]",
-                *(f"{_lobe(name)}{table.lift_of} lift [mm]" for name in table.names),
-            ]
-        )
-        + "\n"
-    )
+    lobes = [f"{_lobe(name)}{table.lift_of} lift [mm]" for name in table.names]
+    lines = [
+        f"# {table.lift_of} lift over the cam angle; zero of the angle: {table.zero}",
+        ",".join(["cam angle [deg]", *lobes]),
+    ]
     rows = np.column_stack([np.degrees(table.cam_angles), 1e3 * table.lifts])
-    out.writelines(",".join(f"{value:.6f}" for value in row) + "\n" for row in rows)
-    return out.getvalue().encode()
+    lines += [",".join(f"{value:.6f}" for value in row) for row in rows]
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _lobe(name: str) -> str:
@@ -188,14 +182,17 @@ def _lobe(name: str) -> str:
 COLUMNS_SPEC = LiftFormat("columns of a text", recognise_columns, read_columns, write_columns)
 
 
+def _numbers(content: bytes, name: str) -> Array:
+    """The rows of a text of numbers, none where it is no such text."""
+    try:
+        return read_text_table(text_of(content, name), name).rows
+    except InputError:
+        return np.zeros((0, 0))
+
+
 def recognise_fractions(content: bytes, name: str) -> bool:
     """Whether two columns run from (0, 0) over a largest lift of 1 to (1, 0)."""
-    if b"\0" in content:
-        return False
-    try:
-        rows = read_text_table(text_of(content, name), name).rows
-    except InputError:
-        return False
+    rows = _numbers(content, name)
     if rows.shape[1] != 2 or len(rows) < 5:
         return False
     place, lift = rows.T
@@ -230,13 +227,11 @@ def write_fractions(table: LiftTable) -> bytes:
         np.clip(table.lifts[first : last + 1, 0], 0.0, None),
     )
     lifts = np.concatenate([[0.0], lifts[1:-1], [0.0]])
-    out = io.StringIO()
-    out.write("fraction of duration,fraction of lift\n")
-    for place, lift in zip(
-        (angles - angles[0]) / (angles[-1] - angles[0]), lifts / lifts.max(), strict=True
-    ):
-        out.write(f"{place:.6f},{lift:.6f}\n")
-    return out.getvalue().encode()
+    rows = np.column_stack([
+        (angles - angles[0]) / (angles[-1] - angles[0]), lifts / lifts.max()
+    ])  # fmt: skip
+    lines = [f"{place:.6f},{lift:.6f}" for place, lift in rows]
+    return ("\n".join(["fraction of duration,fraction of lift", *lines]) + "\n").encode()
 
 
 FRACTIONS_SPEC = LiftFormat(
@@ -249,12 +244,7 @@ TURN, REPEATED = 360, 36
 
 def recognise_s96(content: bytes, name: str) -> bool:
     """Whether the text holds 396 rows of one number."""
-    if b"\0" in content:
-        return False
-    try:
-        return read_text_table(text_of(content, name), name).rows.shape == (TURN + REPEATED, 1)
-    except InputError:
-        return False
+    return _numbers(content, name).shape == (TURN + REPEATED, 1)
 
 
 def read_s96(content: bytes, name: str) -> LiftColumns:
