@@ -86,6 +86,7 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     from valvetrain.findings.engine import measured
     from valvetrain.findings.rules_case import CaseFacts
     from valvetrain.findings.words import Words
+    from valvetrain.session import called_case
     from valvetrain.solution.status import PartialFailures
     from valvetrain.system.build import lift_law_of
     from valvetrain.views.case_answer import CaseAnswer

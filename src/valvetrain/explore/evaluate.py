@@ -44,6 +44,7 @@ from valvetrain.solution.definition import ADDED, NESTED, PAIR
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import COMPLETED, PartialFailures, Status, reason
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN

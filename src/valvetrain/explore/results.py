@@ -12,6 +12,8 @@ from valvetrain.findings.words import Words, digits_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.status import PartialFailures
+from valvetrain.units import unit_factor
+from valvetrain.units.reader import reader_factor, reader_unit
 from valvetrain.views.results import answer_of, write_page
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.study_files import StudyFiles, files_of

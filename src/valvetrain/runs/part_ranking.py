@@ -17,7 +17,7 @@ from valvetrain.runs.run import sweep_study
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.part_ranking import PartChange, PartRanking
-from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.status import reason
 from valvetrain.solution.study import Study
 from valvetrain.springs.equivalent import EquivalentSpring
 
