@@ -82,7 +82,6 @@ class SmoothedLift(Shown):
     cam_angles: Array
     residuals: Array
     widened: bool = False
-    rounding: float = 0.0
 
     def __repr__(self) -> str:
         first, last = np.degrees(self.event)
@@ -209,7 +208,6 @@ def smooth_lift(
         angles,
         raw - fit.basis @ mean,
         widened,
-        rounding,
     )
 
 
@@ -219,8 +217,8 @@ class _Fit:
     """
 
     def __init__(
-        self, angles: Array, lifts: Array, noise: float | None, stated: bool, rounding: float = 0.0,
-        rest: int = 0, runout: float = 0.0, zeroed: float = 1.0
+        self, angles: Array, lifts: Array, noise: float | None, stated: bool, rounding: float,
+        rest: int, runout: float, zeroed: float
     ) -> None:  # fmt: skip
         sites = angles
         if len(angles) > MAX_KNOTS:
@@ -302,8 +300,8 @@ class _Fit:
 
 
 def _likeliest(
-    design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool, least: float = NOISE_BOUNDS[0],
-    rest: tuple[float, float] = (0.0, 0.0)
+    design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool, least: float,
+    rest: tuple[float, float]
 ) -> tuple[float, float]:  # fmt: skip
     """Noise (m), at ``least`` that, and ratio of variances of largest marginal likelihood; a ``stated`` noise is retained."""
     from scipy.linalg import solve_triangular
@@ -370,7 +368,7 @@ def _whitening(lifts: Array, noise: float, rounding: float) -> Callable[[Array],
 
 
 def _event(
-    angles: Array, lifts: Array, noise: float | None, rounding: float = 0.0
+    angles: Array, lifts: Array, noise: float | None, rounding: float
 ) -> tuple[int, int, float, float, int]:  # fmt: skip
     """First and last station of the event, level of the base circle (m), the scatter of its
     stations (m) and how many they are.
