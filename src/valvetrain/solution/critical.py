@@ -336,7 +336,7 @@ class CriticalSpeeds(Saveable):
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per label and kind; speeds in rad/s of the crank, the limit in SI, NaN for what
-        was not found.
+        was not found. ``attrs["units"]`` has the unit of each speed.
         """
         from valvetrain.solution.display import frame
 
@@ -358,4 +358,5 @@ class CriticalSpeeds(Saveable):
         }
         ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
-        return frame(own | ranges)
+        speeds = [name for name in (*own, *ranges) if name.endswith("engine_speed")]
+        return frame(own | ranges, units=dict.fromkeys(speeds, "rad/s"))
