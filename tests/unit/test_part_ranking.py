@@ -147,6 +147,7 @@ def test_findings_say_what_gains_most_and_what_is_not_known() -> None:
     shown = PartsAnswer(WHOLE)
     assert codes(WHOLE) == ("W301", "A120")
     assert len(f"{shown.verdict}".split()) <= 25
+    assert [one.mark for one in shown.lines] == ["", "ok", "", "bad", "warn", ""]
     assert codes(replace(WHOLE, red_line=7300 * RPM))[0] == "W302"
     assert codes(replace(WHOLE, red_line=None))[0] == "W301"
     vague = replace(WHOLE, changes=(change("pushrod", 20, 40), WHOLE.changes[-1]))

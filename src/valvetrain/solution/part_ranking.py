@@ -90,6 +90,5 @@ class PartRanking(Saveable):
     def to_pandas(self) -> pandas.DataFrame:
         """A row per change, SI; the units of its numbers are in ``attrs["units"]``."""
         names = ("part", *UNITS, "chosen", "price", "refusal")
-        made = frame({name: [getattr(one, name) for one in self.changes] for name in names})
-        made.attrs["units"] = {name: UNITS.get(name, "") for name in names}
-        return made
+        columns = {name: [getattr(one, name) for one in self.changes] for name in names}
+        return frame(columns, units={name: UNITS.get(name, "") for name in names})

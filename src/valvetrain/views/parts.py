@@ -66,7 +66,7 @@ class PartsAnswer(ShownByRules):
         if change.refusal:
             return Line(change.part, ("–",) * len(self.headings), "warn", change.refusal)
         best = change is self.ranking.best and change.gain > 0 and change.resolved
-        mark: Mark = "ok" if best else "bad" if change.largest_gain < 0 else ""
+        mark: Mark = "ok" if best else "bad" if change.chosen and change.largest_gain < 0 else ""
         stress = self._signed("peak_shear_stress", change.stress_change)
         cells = (
             reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change),
@@ -112,6 +112,6 @@ def picture(facts: PartFacts) -> go.Figure | None:
         hovertemplate="%{y}: %{x:+.0f} rpm<extra></extra>",
     ))  # fmt: skip
     styled(fig, "engine speed gained, rpm", ("",), 120 + 26 * len(rows))
-    fig.update_layout(hovermode="closest", margin={"l": 170})
+    fig.update_layout(hovermode="closest")
     fig.update_xaxes(zeroline=True, zerolinecolor="#333")
     return fig.update_yaxes(autorange="reversed", dtick=1, automargin=True)
