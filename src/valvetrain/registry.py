@@ -255,7 +255,6 @@ BUILT_IN["figures"] = {
     "train/contacts": "valvetrain.views.figures:CONTACTS",
     "train/piston": "valvetrain.views.figures:PISTON",
     "train/margin": "valvetrain.views.figures:MARGIN",
-    "train/pressure": "valvetrain.views.figures:PRESSURE",
     "coils": "valvetrain.views.figures_of_springs:COILS",
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
     "sweeps/order-map": "valvetrain.views.over_speed:ORDER_MAP",
@@ -276,7 +275,6 @@ BUILT_IN["tables"] = {
     "error-bars": "valvetrain.views.tables:error_bars",
     "at-rest": "valvetrain.views.tables:rest",
     "static/requested": "valvetrain.views.at_rest:requested_table",
-    "static/curve": "valvetrain.views.at_rest:curve_table",
     "modes/modes": "valvetrain.views.at_rest:modes_table",
     "modes/train-modes": "valvetrain.views.at_rest:train_table",
 }

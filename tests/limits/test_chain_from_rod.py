@@ -10,6 +10,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.explore.outputs import Run
 from valvetrain.solution.status import with_code
 from valvetrain.springs import chain_from_rod
 from valvetrain.springs.finite_element import equilibrium_at

@@ -74,7 +74,7 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
     study = sweep(found, lost("float", 6917), runs=runs)
     found = findings_of(study)
-    assert found.codes[0] == "W101" and found.by("W110") and found.by("W111")
+    assert found.codes[0] == "W101" and found.by("W110") and found.by("W122")
     assert found.verdict.value == pytest.approx(6100 * RPM) and "short range" not in str(
         found.verdict
     )
@@ -82,6 +82,17 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     assert np.array(bar.spans) / RPM == pytest.approx(np.array([(4000, 5218), (5258, 6100)]))
     alone = findings_of(sweep(lost("contact-loss", 5218, 5258, **SURGE)))
     assert alone.codes[0] == "W103" and alone.by("W110")
+
+
+def test_each_loss_has_its_speeds_cause_angle_and_size():
+    """Of a bounce the run in which it is largest; no finding of a loss that is not there."""
+    lands = {"bounce_height": 2e-4, "seating_velocity": 0.9, "seating_cam_angle": 5.0}
+    runs = (run(4000), run(7300, bounce_height=1e-4), run(7500, **lands), run(8000))
+    found = findings_of(sweep(lost("contact-loss", 6900, **SURGE, cam_angle=4.0), lost("bounce", 7200, 7600), runs=runs))  # fmt: skip
+    (contact,), (bounce,) = found.by("W121"), found.by("W123")
+    assert contact.fields["angle"].value == 4.0 and contact.fields["cause"] and not found.by("W122")
+    assert (bounce.fields["size"].value, bounce.fields["angle"].value) == (2e-4, 5.0)
+    assert {one.code for one in bars(Facts(sweep(lost("bounce", 7200))))} == {"", "W123"}
 
 
 @pytest.mark.parametrize(

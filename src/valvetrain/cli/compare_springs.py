@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from valvetrain.cli.options import choose_case
+from valvetrain.cli.options import choose_case, name_case
 from valvetrain.cli.request import MotionLine, RequestOf, add_command
 from valvetrain.cli.run import KERNELS
 from valvetrain.cli.run_answer import answer_study
@@ -37,7 +37,10 @@ class PairLine(MotionLine):
         names = (self.train,) if self.train else (self.first, self.second)
         for name in names:
             if self.train or choose_case(name).train is not None:
-                return super().request(model, {**given, "case": name})
+                request = super().request(model, {**given, "case": name})
+                train = ("--train", self.train) if self.train else ()
+                name_case(self.first, self.settings, (self.second, *train))
+                return request
         raise InputError(
             "neither case has a train that moves the springs; give the engine with --train CASE",
             "--train",

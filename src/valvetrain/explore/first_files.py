@@ -36,6 +36,8 @@ OF_TRAIN = {
     "train.pushrod.stiffness": "pushrod stiffness",
     "train.lever.stiffness": "rocker stiffness",
 }
+#: Engine speeds of a study of lash, as shares of the highest one in use.
+SHARES = (0.6, 0.8, 1.0)
 _COIL_BIND = '\n[[constraint]]\nquantity = "coil_bind_clearance"\nat_least = "1 mm"'
 _MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
 
@@ -64,23 +66,26 @@ def _moves(case: Case, key: str) -> bool:
 
 
 def request_text(kind: str, case: Case, name: str) -> str:
-    """The file of a ``study``, of ``optimise`` or ``identify`` about a case that it calls ``name``,
+    """The file of a ``study``, ``lash``, ``optimise`` or ``identify`` about a case that it calls ``name``,
     with ``NAME.toml`` for its own name.
 
-    Raises :class:`InputError` where the case has no lift, no wire or nothing that may be varied.
+    Raises :class:`InputError` where the case has no lift, no train, no wire or nothing that may be varied.
     """
-    lines = {"study": _study, "optimise": _search, "identify": _identification}[kind](case)
+    lines = {"study": _study, "lash": _lash, "optimise": _search, "identify": _identification}[
+        kind
+    ](case)
     return "\n".join([*lines[:2], f"case = {inline(name)}", *lines[2:]]) + "\n"
 
 
-def _speed(case: Case) -> str:
+def _top(case: Case) -> float:
+    """The highest engine speed of a case, in rpm."""
     top = case.operation.top_speed
     if case.lift_law is None or not top:
         raise InputError(
             "the case has no lift or no engine speed, so nothing moves; add [lift_law] and operation.engine_speeds",
             "--case",
         )
-    return f"{to_unit(top, 'rpm'):.6g} rpm"
+    return to_unit(top, "rpm")
 
 
 def _varied(keys: dict[str, str], low: float, high: float) -> Iterator[str]:
@@ -95,10 +100,25 @@ def _study(case: Case) -> list[str]:
     return [
         "# What decides? Each quantity from 0.9 to 1.1 of its value in the case; the answer ranks them.",
         "#\n#     valvetrain study NAME.toml\n",
-        f'engine_speeds = "{_speed(case)}"',
+        f'engine_speeds = "{_top(case):.6g} rpm"',
         f"outputs = {outputs} # valvetrain quantities lists all",
         f'points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks',
         *_varied(keys, 0.9, 1.1),
+    ]
+
+
+def _lash(case: Case) -> list[str]:
+    """Where and how fast the valve lands, over lash and engine speed."""
+    if case.train is None:
+        raise InputError("a spring alone has no lash; give the case of an engine", "--case")
+    speeds = ", ".join(f"{share * _top(case):.0f}" for share in SHARES)
+    return [
+        "# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts.",
+        "#\n#     valvetrain study NAME.toml\n",
+        'outputs = ["seating_velocity", "seating_cam_angle", "bounce_height"]',
+        'points = { sampler = "grid" }',
+        f'\n[[vary]]\nkey = "engine_speed"\nvalues = "{speeds} rpm"',
+        '\n[[vary]]\nkey = "train.lash"\nvalues = "0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3 mm"\nlabel = "lash"',
     ]
 
 
@@ -113,7 +133,7 @@ def _search(case: Case) -> list[str]:
     return [
         "# The best spring within bounds: the least peak force that keeps what is asked.",
         "#\n#     valvetrain optimise NAME.toml\n",
-        f'engine_speeds = "{_speed(case)}"',
+        f'engine_speeds = "{_top(case):.6g} rpm"',
         "search = { trials = 60 }",
         "\n[[objective]]",
         f'quantity = "{"peak_cam_contact_force" if train else "peak_spring_force"}"',

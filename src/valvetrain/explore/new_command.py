@@ -16,9 +16,12 @@ from valvetrain.parameters.templates import KINDS, template_kind, template_text
 #: Kind of request -> what its file asks of a case.
 REQUESTS = {
     "study": "what decides in a case",
+    "lash": "where and how fast its valve lands over lash",
     "optimise": "the best spring for it",
     "identify": "its wire from measured loads",
 }
+#: Kind of request -> the command that runs it, where that has another name.
+COMMANDS = {"lash": "study"}
 
 
 def register_new(app: typer.Typer) -> None:
@@ -52,7 +55,7 @@ def new(
 
     if kind in REQUESTS:
         path = write_request(name, kind, case)
-        label = f"{path}: {REQUESTS[kind]}\n  next: valvetrain {kind} {shlex.quote(str(path))}"
+        label = f"{path}: {REQUESTS[kind]}\n  next: valvetrain {COMMANDS.get(kind, kind)} {shlex.quote(str(path))}"
     elif case:
         raise InputError(
             f"a {template_kind(kind)} case is not about another; give --kind {', '.join(REQUESTS)}, or leave --case out",

@@ -8,6 +8,7 @@ orders by importance: the level, then the place in the table. The first finding 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
@@ -27,6 +28,7 @@ MARKS: dict[Level, Mark] = {"decides": "bad", "warns": "warn", "notes": ""}
 #: Parts of a rule that are templates.
 PARTS = ("text", "reason", "step", "remark")
 Fields = Mapping[str, Said]
+_VERBS = re.compile("^valvetrain (run|sweep|compare) ")
 #: Prefixes of the quantities of a single spring and of the springs of a pair.
 SPRINGS = ("", "outer_", "inner_")
 
@@ -63,6 +65,11 @@ class Subject(Protocol):
         """What a command takes for the case."""
         return ""
 
+    @property
+    def verb(self) -> str:
+        """The only command that takes this case, such as that on two springs; empty where every command does."""
+        return ""
+
     def at(self, run: Solution) -> str:
         """Where a run is, as text."""
         return ""
@@ -85,7 +92,8 @@ class Rule:
     level : whether it decides the verdict, warns or notes
     text : the fact; ``reason``: why; ``step``: what to do or run next; ``remark``: a few words behind the row of the
         table that shows what the rule ``reads``. Templates: every rule has the fields ``value``, ``limit``, ``at`` (the
-        worst run), ``where`` (all runs in which it holds) and ``case``
+        worst run), ``where`` (all runs in which it holds), ``case`` as a command takes it and ``file``, the same of a case
+        without options
     hits : the condition
     reads : names of the quantities that the rule looks at
     guide : page of the documentation
@@ -224,7 +232,8 @@ def _finding(rule: Rule, hits: Sequence[Hit], facts: Subject, words: Words) -> F
     """The worst hit of a rule with the templates filled."""
     hit = max(hits, key=lambda one: one.rank)
     amount, run = hit.amount, hit.run
-    values: dict[str, Said] = {"case": words.case or facts.case}
+    case = words.case or facts.case
+    values: dict[str, Said] = {"case": case, "file": "" if facts.verb or " --" in case else case}
     if amount is not None:
         values["value"] = amount
         if hit.limit is not None:
@@ -236,6 +245,8 @@ def _finding(rule: Rule, hits: Sequence[Hit], facts: Subject, words: Words) -> F
     texts = {
         part: words.fill(words.part(rule.code, part, getattr(rule, part)), values) for part in PARTS
     }
+    if facts.verb:
+        texts["step"] = _VERBS.sub(f"valvetrain {facts.verb} ", texts["step"])
     mark = MARKS[rule.level] if rule.mark is None else rule.mark
     return Finding(
         rule.code, rule.level, mark, **texts, guide=rule.guide, quantity=amount.name if amount else "",

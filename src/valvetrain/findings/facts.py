@@ -148,6 +148,11 @@ class Facts:
         angle = float(cam_angles(run)[int(np.argmin(values))])
         return Amount("loft_cam_angle", angle)
 
+    def nose(self, run: Solution) -> Amount:
+        """Cam angle at which rigid parts lift the valve most."""
+        lift = over_turn(run, "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift")
+        return Amount("loft_cam_angle", float(cam_angles(run)[int(np.argmax(lift))]) % TURN)
+
     # -- places ------------------------------------------------------------------------------------
 
     @cached_property
@@ -246,6 +251,11 @@ class Facts:
 
         name = self.study.record.name
         return name if name in library_names() else f"{name}.toml"
+
+    @property
+    def verb(self) -> str:
+        """The command on two springs, whose case no other command takes."""
+        return "compare-springs" if self.study.command == "compare-springs" else ""
 
     @property
     def labels(self) -> str:

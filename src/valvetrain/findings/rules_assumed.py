@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-import numpy as np
-
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
-from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
+from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import SEAT
 from valvetrain.findings.words import Amount, joined
 from valvetrain.solution.status import Fact
@@ -63,9 +61,7 @@ def _driver(fact: Fact) -> Fields:
 def angles(facts: Facts) -> Iterator[Hit]:
     """The runs have angles: which ones, where the nose is, and what zero is where the case says so."""
     for run in [one for one in facts.runs if one.has("valve_lift")][-1:]:
-        lift = over_turn(run, "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift")
-        nose = Amount("loft_cam_angle", float(cam_angles(run)[int(np.argmax(lift))]) % TURN)
-        yield Hit(nose, fields={"zero": facts.study.record.zero_of_angle})
+        yield Hit(facts.nose(run), fields={"zero": facts.study.record.zero_of_angle})
 
 
 def recut(facts: Facts) -> Iterator[Hit]:

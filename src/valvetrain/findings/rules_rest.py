@@ -19,8 +19,6 @@ SAME_RATE = 0.01
 #: Share by which the rate of a wire differs from that of its torsion, and shares between which its first mode is below
 #: that of torsion alone.
 OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
-#: Overlap of two shapes below which a mode became another one rather than moved.
-NAME_ONLY = 0.5
 
 
 # -- force over compression ------------------------------------------------------------------------
@@ -195,18 +193,6 @@ def whole_train(facts: Facts) -> Iterator[Hit]:
         yield Hit(other, fields={"closed": one, "moving": lifted.moving(0)})
 
 
-def changed(facts: Facts) -> Iterator[Hit]:
-    """A mode of the closed valve has another shape at full lift than any mode there."""
-    for closed, lifted in _train(facts):
-        places = [at for at, share in enumerate(lifted.overlap) if share < NAME_ONLY]
-        for at in places[:1]:
-            before = lifted.closed_mode[at]
-            yield Hit(Amount("surge_frequency", float(lifted.natural_frequency[at])), fields={
-                "before": str(before + 1), "after": str(at + 1), "overlap": f"{100 * lifted.overlap[at]:.0f} %",
-                "first": Amount("surge_frequency", float(closed.natural_frequency[before])) if before < len(closed.shape) else "",
-            })  # fmt: skip
-
-
 LOADS = ("preload", "installed_rate")
 SURGE = ("surge_frequency",)
 BIND = ("coil_bind_clearance",)
@@ -235,6 +221,4 @@ MODES = (
          step="valvetrain modes {case} --model modal-uniform"),
     Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
     Rule("N111", "notes", "train and springs as one: {closed} closed, {value} at full lift ({moving})", whole_train),
-    Rule("N112", "notes", "closed mode {before}[ ({first})] is nearest to mode {after} ({value}) at full lift by shape, overlap "
-         "{overlap}", changed),
 )  # fmt: skip

@@ -116,7 +116,7 @@ def disagree(facts: Facts) -> Iterator[Hit]:
         least = min((one for one, _ in kept), key=lambda one: one.value)
         yield Hit(least, None, 0.0, {
             "lost": joined([run.model for run in lost]), "kept": joined([model for _, model in kept]),
-            "speed": speed_text(facts.speeds[-1]),
+            "lead": "it" if lost == list(facts.models[:1]) else facts.models[0].model, "speed": speed_text(facts.speeds[-1]),
         })  # fmt: skip
 
 
@@ -269,7 +269,7 @@ RUN_UP = (
 )  # fmt: skip
 MODELS = (
     Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
-         "{value} left by {kept}", "valvetrain sweep {case} --model wave-rod", guide="models.md", mark="warn"),
+         "{lead} decides; {value} left by {kept}", "valvetrain sweep {case} --model wave-rod", guide="models.md", mark="warn"),
     Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
          "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],

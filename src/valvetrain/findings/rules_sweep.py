@@ -6,21 +6,25 @@ import math
 from collections.abc import Iterator, Sequence
 
 from valvetrain.findings.control import Loss
-from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing
+from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing, loss_of
 from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
 from valvetrain.solution.critical import RPM, CriticalSpeed, SpeedBracket, places_text
+from valvetrain.solution.result import Solution
 
 #: Kind of critical speed -> what the valve does from there.
 DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
+#: Kind of critical speed -> the quantity that says how large the loss is.
+SIZES = {"contact-loss": "loft_gap", "float": "float_excess_lift", "bounce": "bounce_height"}
 #: Cause of the end of a range -> what is said of it.
 ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolution": "scatter"}
 SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike.
 WIDE, ALIKE = 0.004, 0.01
-#: Share by which stresses of two wires differ where it is worth a word, and surge (N) that is.
-STRESSED, SURGE = 0.05, 1.0
+#: Quantities by which two springs are compared: stress amplitude is half of what lies between the two.
+STRESS = ("open_nominal_shear_stress", "closed_nominal_shear_stress")
+SURGING = ("surge_amplitude_force",)
 
 
 def does(row: CriticalSpeed) -> Phrase:
@@ -152,19 +156,41 @@ def _span(one: SpeedBracket) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def also_lost(facts: Facts) -> Iterator[Hit]:
-    """What else is lost from which speed, and where control returns in between."""
-    first = _first(facts)
-    said = list[Said]()
-    for loss in facts.control(facts.first_label).losses if first is not None else ():
-        spans = loss.ranges[1:] if first is not None and loss.row is first.row else loss.ranges
-        if spans:
-            ranges = joined([_from(one, loss.row) for one in spans[:3]])
-            again = " again" if first is not None and loss.row is first.row else ""
-            fields: Fields = {"does": does(loss.row), "again": again, "ranges": ranges}
-            said.append(Phrase("{does}[{again}] from {ranges} rpm", fields))
-    if said:
-        yield Hit(Amount(SPEED, 0.0), None, None, {"said": said})
+def lost_over_speed(kind: str) -> Condition:
+    """A condition on one kind of loss: the speeds that hold it, why, and angle and size of the largest one there."""
+
+    def hits(facts: Facts) -> Iterator[Hit]:
+        label = facts.first_label if facts.searched else ""
+        losses = [one for one in facts.control(label).losses if one.row.kind == kind]
+        for loss in losses[:1]:
+            ends = [(one.lower_engine_speed, one.upper_engine_speed) for one in loss.ranges]
+            within = [
+                run
+                for run in (*facts.runs, *facts.beyond)
+                if run.label == label and any(low <= run.engine_speed <= up for low, up in ends)
+            ]
+            pairs = [pair for pair in facts.amounts(SIZES[kind], within) if pair[0].value > 0]
+            size, run = max(pairs, key=lambda pair: pair[0].value, default=("", None))
+            yield Hit(Amount(SPEED, loss.begin), None, None, {
+                "does": does(loss.row), "cause": why(facts, loss), "size": size, "angle": _angle(facts, loss, run),
+                "ranges": joined([_from(one, loss.row) for one in loss.ranges[:3]]),
+            })  # fmt: skip
+
+    hits.__doc__ = f"The speeds at which the valve {DOES[kind].format(place='cam')}, and why."
+    return hits
+
+
+def _angle(facts: Facts, loss: Loss, run: Solution | None) -> Said:
+    """Cam angle at which contact first opens, else that of the run with the largest loss; empty where it is not known."""
+    first = loss.row.cam_angle
+    if loss.at_onset and math.isfinite(first):
+        return Amount("loft_cam_angle", first)
+    if run is None:
+        return ""
+    if loss.row.kind == "bounce":
+        return landing(facts, run).get("angle", "")
+    largest = loss_of(facts, run, facts.losses(run))
+    return "" if largest is None else largest.fields["angle"]
 
 
 def _from(one: SpeedBracket, row: CriticalSpeed) -> str:
@@ -197,7 +223,7 @@ def unlike(facts: Facts) -> Iterator[Hit]:
     ends = sorted(((facts.control(one).limit, one) for one in labels), reverse=True)
     if len(ends) > 1:
         said = tuple(
-            Phrase("{label} keeps control {reached}", {"label": one, "reached": _to(end)})
+            Phrase("{label} keeps control {reached}", {"label": one, "reached": reached(end)})
             for end, one in ends
         )
         yield Hit(Amount(SPEED, len(ends)), None, None, {"said": said})
@@ -230,79 +256,64 @@ def _left(facts: Facts) -> Fields:
     return {}
 
 
+def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
+    """The better of two springs first, to which speed each keeps control, what each presses with at full lift, and a model
+    that gives a second opinion.
+    """
+    (better, high), (other, low) = found
+    loads = {run.spring_set: facts.amount(run, "open_spring_force") or "" for run in facts.runs}
+    simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
+    return {
+        "better": better, "other": other, "high": reached(high), "low": reached(low), "load": loads.get(better, ""),
+        "against": loads.get(other, ""), "model": "wave-rod" if simple else "modal-uniform", **_left(facts),
+    }  # fmt: skip
+
+
 def longer(facts: Facts) -> Iterator[Hit]:
     """One of two springs keeps control longer by more than a hundredth of the speed."""
     found = pair(facts)
     if found and found[0][1] > (1 + ALIKE) * found[1][1]:
-        (better, high), (other, low) = found
-        fields: Fields = {
-            "better": better,
-            "other": other,
-            "high": _to(high),
-            "low": _to(low),
-            **_left(facts),
-        }
-        yield Hit(Amount(SPEED, low), None, facts.study.record.red_line, fields)
+        limit = facts.study.record.red_line
+        yield Hit(Amount(SPEED, found[1][1]), None, limit, _pair_fields(facts, found))
 
 
 def alike(facts: Facts) -> Iterator[Hit]:
     """Two springs lose control within a hundredth of the speed, or neither does."""
     found = pair(facts)
     if found and not found[0][1] > (1 + ALIKE) * found[1][1]:
-        yield Hit(
-            Amount(SPEED, min(found[1][1], 1e9)), fields={"low": _to(found[1][1]), **_left(facts)}
-        )
+        yield Hit(Amount(SPEED, min(found[1][1], 1e9)), fields=_pair_fields(facts, found))
 
 
-def _to(end: float) -> str:
+def reached(end: float) -> str:
+    """``to 6730 rpm``: up to which engine speed (rad/s) control is kept."""
     return f"to {about(end)} rpm" if 0 < end < math.inf else "at no speed searched" if end <= 0 else "at every speed searched"  # fmt: skip
 
 
-def stressed(facts: Facts) -> Iterator[Hit]:
-    """The larger stress amplitude of two wires, where they differ by more than a twentieth."""
-    found = _largest(facts, ("open_nominal_shear_stress", "closed_nominal_shear_stress"), 0.5)
-    if found and found[0][1] > (1 + STRESSED) * found[1][1]:
-        yield _more(found, "peak_shear_stress")
-
-
-def surges(facts: Facts) -> Iterator[Hit]:
-    """The larger surge of two springs at the speeds in use, where they differ by more than a twentieth."""
-    found = _largest(facts, ("surge_amplitude_force",), 1.0)
-    if found and found[0][1] > max((1 + STRESSED) * found[1][1], SURGE):
-        yield _more(found, "surge_amplitude_force")
-
-
-def _largest(facts: Facts, names: Sequence[str], factor: float) -> list[tuple[str, float]]:
-    """Name and largest number of either spring, the larger first: ``factor`` times a quantity, or times one less another."""
+def largest(facts: Facts, names: Sequence[str], factor: float = 1.0) -> dict[str, float]:
+    """Name and largest number of either spring of a pair: ``factor`` times a quantity, or times one less another."""
     found: dict[str, float] = {}
     for run in facts.runs if pair(facts) else ():
         values = [run.quantities.get(name, math.nan) for name in names]
         size = factor * (values[0] - sum(values[1:]))
         if math.isfinite(size):
             found[run.spring_set] = max(size, found.get(run.spring_set, 0.0))
-    ordered = sorted(found.items(), key=lambda one: -one[1])
-    return ordered if len(ordered) == 2 else []
-
-
-def _more(found: list[tuple[str, float]], name: str) -> Hit:
-    (more, largest), (_, less) = found
-    return Hit(Amount(name, largest), None, None, {"more": more, "less": Amount(name, less)})
+    return found
 
 
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
 RANGE = "[{range} rpm by {over}]"
+WHY = "[{cause}][, at {angle}][, up to {size}]"
+#: Rules on what is lost over speed: code -> kind of critical speed.
+LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 PARTS = "valvetrain study --parts {case}"
-KEPT = (*CONTACT, "float_excess_lift")
-LEFT = "[{most} and {least} left on the cam at {there}]"
+LOADS = "[{load} against {against} at full lift]"
+SECOND = "valvetrain sweep {case} --model {model}"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 
 RULES = (
-    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, KEPT, LEFT, mark="", guide=TWO),
-    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, KEPT, LEFT, mark="", guide=TWO),
-    Rule("D103", "notes", "{more} is stressed more: amplitude {value} against {less}", stressed, ("open_nominal_shear_stress",),
-         guide=TWO),
-    Rule("D104", "notes", "{more} surges more at the speeds in use: {value} against {less}", surges, guide=TWO),
+    Rule("D101", "decides", "{better} is better: in control {high}, {other} {low}", longer, (), LOADS, SECOND, mark="", guide=TWO),
+    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, (), LOADS, SECOND, mark="", guide=TWO),
     Rule("W104", "decides", "not in control: {does} already at {speed}", never_held, CONTACT, "[{cause}]", COMPARE,
          guide="how-to/09-loft.md", unless=("D10",)),
     Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", PARTS, RANGE, DROPS, unless=("D10",)),
@@ -314,7 +325,8 @@ RULES = (
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
          ("minimum_spring_force",), step="valvetrain sweep {case} --model wave-rod", remark="ends would lift"),
-    Rule("W111", "notes", "it also {said}", also_lost, ("float_excess_lift", "bounce_height"), unless=("D10",)),
+    *(Rule(code, "notes", "{does} from {ranges} rpm", lost_over_speed(kind), reason=WHY, remark=f"from {{ranges}} rpm: {WHY}",
+           guide=DROPS, unless=("D10",)) for code, kind in LOST_AT.items()),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
          two_motions),
     Rule("W113", "notes", "{said}", unlike, unless=("D10",)),

@@ -45,7 +45,7 @@ def cause_text(code: str, order: float) -> str:
     )
 
 
-def loss(facts: Facts, run: Solution, events: Sequence[Event]) -> Hit | None:
+def loss_of(facts: Facts, run: Solution, events: Sequence[Event]) -> Hit | None:
     """The largest gap of a contact of the drive among ``events``, those at the cam before others."""
     if not events:
         return None
@@ -157,7 +157,7 @@ def floats(facts: Facts, run: Solution) -> Hit | None:
     largest, around = float_and_losses(run)
     if largest is None or largest.size <= FLOAT or not facts.losses(run):
         return None
-    begins = loss(facts, run, around)
+    begins = loss_of(facts, run, around)
     fields = {} if begins is None else begins.fields
     causes = {"cause": cause(run, [largest, *around])}
     return Hit(facts.amount(run, "float_excess_lift"), run, FLOAT, {**fields, **causes})
@@ -166,7 +166,7 @@ def floats(facts: Facts, run: Solution) -> Hit | None:
 @per_run
 def loses(facts: Facts, run: Solution) -> Hit | None:
     """A contact of the drive opens while the valve is open, but the valve follows its path."""
-    return loss(facts, run, facts.losses(run))
+    return loss_of(facts, run, facts.losses(run))
 
 
 def _kept(facts: Facts, little: bool) -> Iterator[Hit]:
@@ -241,6 +241,7 @@ FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 PISTON = ("minimum_piston_clearance_gap",)
 NEEDED = ("needed_closed_spring_force", "needed_open_spring_force", "needed_spring_rate")
 SWEEP = "valvetrain sweep {case}"
+LASH = "[valvetrain new lash --kind lash --case {file} && valvetrain study lash.toml]"
 AGAIN = "[, {repeats}][, height within {scatter:2} from cycle to cycle]"
 
 RULES = (
@@ -265,8 +266,8 @@ RULES = (
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
     Rule("C122", "notes", f"the longest flight lasts {{value}}[, from {{angle}}][ to {{landing}}][ {{at}}]{AGAIN}", flight, ("loft_gap",),
-         remark=f"longest {{value}}[, {{gap}} at the {{place}}]{AGAIN}", guide="how-to/09-loft.md"),
-    Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
+         remark=f"longest {{value}}[, {{angle..landing}}][, {{gap}} at the {{place}}]{AGAIN}", guide="how-to/09-loft.md"),
+    Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}", step=LASH,
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
          step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),
@@ -274,7 +275,7 @@ RULES = (
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
-         needs, NEEDED, "or {rate} at your seat load", remark="you have {have..full}",
+         needs, NEEDED, "or {rate} at your seat load", remark="or {rate} from your seat load",
          guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
          ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),

@@ -277,7 +277,7 @@ class Case:
             remarks=self.remarks,
             published=self.published,
             citations=tuple(cite(key) if key in references() else key for key in self.cite()),
-            zero_of_angle=self.lift_law.zero_of_angle if self.lift_law is not None else "",
+            zero_of_angle=self.lift_law.zero if self.lift_law is not None else "",
             changed=self.changed,
             text=self.text,
             points=tuple(self.points.items()),

@@ -4,6 +4,7 @@ evaluated.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -54,6 +55,13 @@ class LiftLawParameters:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", FrozenMapping(self.values))
+
+    @property
+    def zero(self) -> str:
+        """What the zero of the cam angle means: what the case says of it, else where top dead centre is; empty if unknown."""
+        dead = self.top_dead_centre
+        told = "" if dead is None else f"{math.degrees(dead):.4g} cam deg before top dead centre"
+        return self.zero_of_angle or told
 
     def replace(self, **changes: Any) -> LiftLawParameters:
         """A copy with fields changed; a name that is no field is looked up among ``values``."""

@@ -64,8 +64,9 @@ class Answer(ShownStudy):
 
     @cached_property
     def lines(self) -> list[Line]:
-        """The rows of the first table."""
-        return first_rows(self.facts, self.findings, self.words)
+        """The rows of the first table; next to a table of models those that are in doubt."""
+        rows = first_rows(self.facts, self.findings, self.words)
+        return rows if self.models is None else [one for one in rows if one.mark in ("bad", "warn")]
 
     @property
     def headings(self) -> list[str]:

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.findings.engine import Findings, Mark
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_rest import BIND, orders_of
+from valvetrain.findings.rules_rest import BIND, orders_of, speed_of
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states_of
-from valvetrain.findings.words import RPM, Amount, Words, digits_text
+from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.static import POINT_QUANTITIES, RestPoint
 from valvetrain.views.shown import ShownStudy
 from valvetrain.views.style import BAD, OTHER, RIGID, SPEEDS, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
-#: Springs that are columns of the first table, axial modes that are its rows, and rows of a curve that a page prints.
-COLUMNS, MODES, POINTS = 4, 4, 25
+#: Springs that are columns of the first table, and axial modes that are its rows.
+COLUMNS, MODES = 4, 4
 #: The steep end of a solid spring is cut above this many times the median rate.
 WALL = 4.0
 STATES = {"closed": "valve closed", "full_lift": "full lift"}
@@ -43,7 +44,9 @@ def _together(facts: Facts) -> bool:
 def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     """Rows of springs at rest; the mark of coil bind is that of its finding."""
     states = states_of(facts.study)[:COLUMNS]
-    rows = _modes(words) if facts.study.command == "modes" else _static(words, states)
+    rows: Iterator[tuple[str, Read, str]] = _static(words, states)
+    if facts.study.command == "modes":
+        rows = chain(_modes(words), _meetings(facts, states))
     pair, lines = pair_of(states) if _together(facts) else None, list[Line]()
     for label, read, note in rows:
         cells = [read(one) for one in states]
@@ -105,7 +108,8 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
     yield "full lift", lambda one: said(one.force(one.full_lift)), ""
     yield "rate", lambda one: said(one.rate(one.one.precompression)), "as installed"
     yield "coil bind", left, "at full lift"
-    yield "wire, shear", shear, "installed to full lift"
+    by = "in the section" if any(one.one.stress for one in states) else "EN 13906-1"
+    yield "wire, shear", shear, f"installed to full lift; {by}"
     yield from _modes(words)
     for place in range(max((len(one.one.points) for one in states), default=0)):
         yield "as requested", point(place), ""
@@ -129,47 +133,31 @@ def _modes(words: Words) -> Iterator[tuple[str, Read, str]]:
 
         return read
 
-    def compression(one: State) -> str:
-        modes = one.one.modes
-        at = None if modes is None else modes.compression
-        return "" if at is None else words.amount(Amount("installed_compression", at), 4)
-
     for place in range(MODES):
         yield f"axial mode {place + 1}", axial(place), "surge" if place == 0 else ""
-    yield "compressed", compression, "the modes are about this state"
+
+
+def _meetings(facts: Facts, states: Sequence[State]) -> Iterator[tuple[str, Read, str]]:
+    """The engine speeds at which cam orders meet the first axial mode, from the lowest order below the top speed."""
+
+    def read(order: int) -> Read:
+        def cell(one: State) -> str:
+            return speed_text(speed_of(order, one.surge.value)) if one.surge else ""
+
+        return cell
+
+    first = min((one.surge.value for one in states if one.surge), default=math.nan)
+    orders = orders_of(facts, first) if math.isfinite(first) else ()
+    step = (orders[1] - orders[0]) // 3 if len(orders) > 1 else 1
+    for k in range(MODES) if orders else ():
+        yield (
+            f"cam order {orders[0] + k * step}",
+            read(orders[0] + k * step),
+            "" if k else "meets axial mode 1",
+        )
 
 
 # -- tables ----------------------------------------------------------------------------------------
-
-
-def curve_table(answer: ShownStudy) -> TextTable | None:
-    """Every static curve: compression, height, force, rate, shear."""
-    facts, words = answer.facts, answer.words
-    names = ("compression", "installed_height", "preload", "installed_rate", "nominal_shear_stress")
-    heads = ("compression", "height", "force", "rate", "shear")
-    rows, units = list[tuple[str, ...]](), list[str]()
-    for state in states_of(facts.study):
-        curve = state.one.curve
-        if curve is None or not len(curve.compression):
-            continue
-        places = np.unique(np.linspace(0, len(curve.compression) - 1, POINTS).round().astype(int))
-        installed = state.one.installed
-        free = math.nan
-        if installed is not None and installed.height is not None:
-            free = installed.height + installed.compression
-        sizes = [words.unit(name, 1.0) for name in names]
-        units = [f"{head}, {one.text}" for head, one in zip(heads, sizes, strict=True)]
-        rows.append((state.name or state.one.spring,))
-        for place in places:
-            at = float(curve.compression[place])
-            shear = state.shear(at)
-            values = (
-                at, free - at, float(curve.force[place]), float(curve.stiffness[place]),
-                math.nan if shear is None else shear.value,
-            )  # fmt: skip
-            pairs = zip(values, sizes, strict=True)
-            rows.append(tuple(digits_text(value / unit.size, 0, 4) for value, unit in pairs))
-    return TextTable("Force over compression", tuple(units), tuple(rows)) if rows else None
 
 
 def requested_table(answer: ShownStudy) -> TextTable | None:
@@ -322,6 +310,8 @@ STATIC_CURVES = FigureSpec(
     static_curves,
 )
 SURGE_ORDERS = FigureSpec(
-    "Where cam orders meet the surge", "one line a cam order; dashed: red line", surge_orders
+    "Where cam orders meet the surge",
+    "cam order 1: once a cam revolution, two of the crank; dashed: red line",
+    surge_orders,
 )
-MODE_SHAPES = FigureSpec("Shapes of the axial modes", "largest displacement 1", mode_shapes)
+MODE_SHAPES = FigureSpec("Shapes of the axial modes", "0 to peak, the largest is 1", mode_shapes)

@@ -16,7 +16,6 @@ from valvetrain.findings.words import RPM, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.views.style import (
-    ANGLE,
     BAD,
     LEAD,
     OK,
@@ -25,6 +24,7 @@ from valvetrain.views.style import (
     SECOND,
     SPEEDS,
     FigureSpec,
+    angle_title,
     degrees,
     line,
     panels,
@@ -105,7 +105,7 @@ def control(facts: Facts) -> go.Figure | None:
     fill = {"fill": "tozeroy", "fillcolor": "rgba(224,123,40,.12)"}
     fig.add_trace(line(angle, excess, "lift above rigid parts", SECOND, **fill), 2, 1)
     _mark_losses(fig, run, facts)
-    styled(fig, ANGLE, ("N", "mm"), 430)
+    styled(fig, angle_title(facts, run), ("N", "mm"), 430)
     fig.update_yaxes(range=[-0.04 * top, top], row=1, col=1)
     return fig.update_xaxes(range=window(run))
 
@@ -156,7 +156,12 @@ def force(facts: Facts) -> go.Figure | None:
                 text=[f"{size:.0f} N" for _, _, size in found], hovertemplate="%{text}, coils %{y}",
                 marker={"size": sizes, "color": colour, "opacity": 0.55},
             ), 2, 1)  # fmt: skip
-    styled(fig, ANGLE, ("on the retainer, N", "coils") if struck else ("on the retainer, N",), 430)
+    styled(
+        fig,
+        angle_title(facts, last),
+        ("on the retainer, N", "coils") if struck else ("on the retainer, N",),
+        430,
+    )
     if struck:
         fig.update_yaxes(type="category", categoryorder="category ascending", row=2, col=1)
     low, high = window(last)
@@ -204,7 +209,7 @@ def lift(facts: Facts) -> go.Figure | None:
     for row, (name, colour) in enumerate(zip(below, ("#7a3fa0", SECOND), strict=False), 2):
         fig.add_trace(line(angle, over_turn(run, name), name.replace("_", " "), colour), row, 1)
     units = {"valve_velocity": "m/s", "valve_acceleration": "m/s²"}
-    styled(fig, ANGLE, ("mm", *(units[name] for name in below)), 460)
+    styled(fig, angle_title(facts, run), ("mm", *(units[name] for name in below)), 460)
     return fig.update_xaxes(range=window(run))
 
 
@@ -220,7 +225,7 @@ def contacts(facts: Facts) -> go.Figure | None:
     for name, colour in zip(places, SPEEDS, strict=False):
         word = name.removesuffix(ends).replace("_", " ")
         fig.add_trace(line(degrees(run), over_turn(run, name), word, colour))
-    return styled(fig, ANGLE, ("N",)).update_xaxes(range=window(run))
+    return styled(fig, angle_title(facts, run), ("N",)).update_xaxes(range=window(run))
 
 
 def _of_every_run(channel: str, factor: float, title: str) -> Callable[[Facts], go.Figure | None]:
@@ -234,7 +239,9 @@ def _of_every_run(channel: str, factor: float, title: str) -> Callable[[Facts], 
         for run, colour in zip(runs, SPEEDS, strict=False):
             name = facts.at(run) or run.label
             fig.add_trace(line(degrees(run), factor * over_turn(run, channel), name, colour))
-        return styled(fig, ANGLE, (title,)).update_xaxes(range=window(runs[-1]))
+        return styled(fig, angle_title(facts, runs[-1]), (title,)).update_xaxes(
+            range=window(runs[-1])
+        )
 
     return make
 
@@ -259,9 +266,4 @@ MARGIN = FigureSpec(
     "Spring force less inertia of rigid parts",
     "below zero the valve would float",
     _of_every_run("rigid_spring_margin", 1, "N"),
-)
-PRESSURE = FigureSpec(
-    "Pressure of cam and follower",
-    "by Hertz, of a line",
-    _of_every_run("cam_contact_pressure", 1e-6, "MPa"),
 )

@@ -12,13 +12,13 @@ from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.style import (
-    ANGLE,
     BAD,
     LEAD,
     OTHER,
     RIGID,
     SPEEDS,
     FigureSpec,
+    angle_title,
     degrees,
     line,
     styled,
@@ -51,7 +51,7 @@ def coils(facts: Facts) -> go.Figure | None:
         upper = uppers[place]
         values = 1e3 * gaps[:, place]
         fig.add_trace(line(degrees(run), values, f"{upper - 1:.3g}–{upper:.3g}", colour))
-    return styled(fig, ANGLE, ("gap, mm",)).update_xaxes(range=window(run))
+    return styled(fig, angle_title(facts, run), ("gap, mm",)).update_xaxes(range=window(run))
 
 
 def orders(facts: Facts) -> go.Figure | None:

@@ -13,13 +13,13 @@ from valvetrain.findings.words import Amount, MissingFieldError, Words, speed_te
 from valvetrain.solution.result import Solution
 from valvetrain.springs.spec import spring_model
 from valvetrain.views.style import (
-    ANGLE,
     BAD,
     LEAD,
     OTHER,
     RIGID,
     SPEEDS,
     FigureSpec,
+    angle_title,
     degrees,
     line,
     styled,
@@ -101,7 +101,7 @@ def deviation(facts: Facts, run: Solution, lead: Solution) -> float:
 def _share(value: float) -> str:
     if not math.isfinite(value):
         return ""
-    return f"{100 * value:.2g} % off" if value >= 1e-3 else "0.1 % off"
+    return f"{'good' if value <= GOOD else 'poor'}, {max(100 * value, 0.1):.2g} % off"
 
 
 def good_to(facts: Facts, model: str) -> str:
@@ -141,7 +141,12 @@ def models(facts: Facts) -> go.Figure | None:
         fig.add_trace(trace.update(line={"width": width}))
     if facts.train:
         fig.add_hline(0, line={"color": BAD, "width": 1})
-    styled(fig, ANGLE, ("on the cam, N" if facts.train else "on the retainer, N",), 430)
+    styled(
+        fig,
+        angle_title(facts, lead),
+        ("on the cam, N" if facts.train else "on the retainer, N",),
+        430,
+    )
     fig.update_layout(
         legend={"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0}, margin={"t": 12}
     )

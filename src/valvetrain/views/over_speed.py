@@ -15,11 +15,11 @@ from valvetrain.findings.words import NOTHING, RPM
 from valvetrain.solution.result import Solution
 from valvetrain.views.style import BAD, LEAD, OK, SECOND, SPEEDS, FigureSpec, line, panels, styled
 
-#: Kind of critical speed -> what is said of its bar, and its colour.
+#: Kind of critical speed -> what is said of its bar, its colour, and the finding that explains it.
 LOST = {
-    "contact-loss": ("off the cam", BAD),
-    "float": ("floats", "#8c2d6b"),
-    "bounce": ("bounces", "#d08a00"),
+    "contact-loss": ("off the cam", BAD, "W121"),
+    "float": ("floats", "#8c2d6b", "W122"),
+    "bounce": ("bounces", "#d08a00", "W123"),
 }
 HELD = "in control"
 #: Cam orders of the map, from the first that a valve spring answers to.
@@ -29,12 +29,15 @@ Spans = list[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Bar:
-    """Ranges of engine speed (rad/s) over which one thing holds: ``word``, ``mark`` and ``colour``."""
+    """Ranges of engine speed (rad/s) over which one thing holds: ``word``, ``mark``, ``colour``, and the ``code`` of the
+    finding that says why.
+    """
 
     word: str
     spans: Spans
     mark: Mark
     colour: str
+    code: str = ""
 
 
 def reach(facts: Facts) -> tuple[float, float]:
@@ -68,9 +71,9 @@ def bars(facts: Facts) -> list[Bar]:
         ]
     label = facts.first_label
     found = [Bar(HELD, _free(facts, label, first, last), "ok", OK)]
-    for kind, (word, colour) in LOST.items():
+    for kind, (word, colour, code) in LOST.items():
         spans = _within(facts, label, kind, first, last)
-        found.append(Bar(word, spans, "bad" if kind == "contact-loss" else "warn", colour))
+        found.append(Bar(word, spans, "bad" if kind == "contact-loss" else "warn", colour, code))
     return [one for one in found if one.spans or one.word == HELD]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from valvetrain.findings.engine import Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
-from valvetrain.findings.rules_sweep import ALIKE, SPEED
+from valvetrain.findings.rules_sweep import ALIKE, SPEED, STRESS, SURGING, largest, pair, reached
 from valvetrain.findings.rules_train import BOUNCE, FLOAT, NEAR_PISTON
 from valvetrain.findings.words import (
     Amount,
@@ -22,6 +22,7 @@ from valvetrain.findings.words import (
     fields_of,
     speed_text,
 )
+from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import tables
 from valvetrain.solution.result import Solution
@@ -82,6 +83,13 @@ class Row:
         return tuple(name for text in self.texts for name in fields_of(text))
 
 
+#: Stress amplitudes that wires bear without end.
+ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
+#: Rows of two springs: their largest number over the speeds in use.
+MOST = (
+    ("most surge", SURGING, 1.0, "0 to peak, of the speeds in use"),
+    ("shear amplitude", STRESS, 0.5, f"endless to {' or '.join(ENDLESS)}"),
+)  # fmt: skip
 CAM = "{minimum_cam_contact_force..peak_%scam_contact_force}"
 SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
@@ -96,15 +104,17 @@ ROWS = (
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
     Row("spring", (SEAT,), of="train"),
     Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
-    Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
+    Row("you have", ("{preload..open_spring_force}",), "seat to full lift, at rest", "train"),
+    Row("surge, 0 to peak", ("{surge_amplitude_force}",)),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
-    Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
-        "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
+    Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} nominal"),
+        "least to most; nominal: EN 13906-1",
+        limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
     Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
     Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
-    Row("first mode", ("{surge_frequency}",), of="spring"),
+    Row("first mode", ("{surge_frequency}",), "of the wire at rest", "spring"),
     Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
 )  # fmt: skip
 
@@ -122,6 +132,9 @@ def columns(facts: Facts, findings: Findings) -> list[Solution]:
     elif facts.study.command == "sweep":
         runs = [run for run in runs if run.label == facts.first_label] or runs
     labels = {run.label for run in runs}
+    there = [one.fields.get("there") for one in findings.by("D10")]
+    if both := [run for run in runs if speed_text(run.engine_speed) in there]:
+        return both
     numbers = [one for one in findings if one.value is not None]
     named = [one for one in numbers if one.label in labels]
     worst = [one.engine_speed or 0.0 for one in named if one.level != "notes"]
@@ -132,7 +145,7 @@ def columns(facts: Facts, findings: Findings) -> list[Solution]:
     speeds = sorted(speed for speed, count in counted.items() if count >= len(labels))
     if not speeds:
         return runs[:COLUMNS]
-    count = max(COLUMNS // len(labels), 1)
+    count = 1 if pair(facts) else max(COLUMNS // len(labels), 1)
     even = [speeds[int(place)] for place in np.linspace(0, len(speeds) - 1, count).round()]
     lost = [one.value for one in numbers if one.quantity == SPEED and one.level != "notes"]
     begin = [speed for one in lost for speed in speeds if speed >= (one or 0.0)][:1]
@@ -152,7 +165,8 @@ def headings(facts: Facts, findings: Findings) -> list[str]:
     speeds, labels = len({run.engine_speed for run in runs}), len({run.label for run in runs})
     sets = len({run.spring_set for run in runs}) == labels
     names = ((run.spring_set if sets else run.label) * (labels > 1) for run in runs)
-    texts = (speed_text(run.engine_speed) * (speeds > 1) for run in runs)
+    several = speeds > 1 or bool(pair(facts))
+    texts = (speed_text(run.engine_speed) * several for run in runs)
     return [", ".join(filter(None, both)) for both in zip(names, texts, strict=True)]
 
 
@@ -172,6 +186,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         set[str](),
         columns(facts, findings),
     )
+    lines += pair_lines(facts, runs, words)
     speeds = {run.engine_speed for run in runs}
     for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring"):
@@ -190,6 +205,20 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         if limit:
             mark, remark = "ok", ", ".join(filter(None, (remark, limit)))
         lines.append(Line(row.label, cells, mark, remark))
+    return lines
+
+
+def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
+    """Of two springs in one engine: to which speed each keeps control, and its largest surge and stress amplitude."""
+    if not pair(facts):
+        return []
+    ends = tuple(reached(facts.control(run.label).limit) for run in runs)
+    lines = [Line("in control", ends, "", "of the speeds in use")]
+    for label, names, factor, note in MOST:
+        sizes = largest(facts, names, factor)
+        amounts = [Amount(names[0], sizes.get(run.spring_set, math.nan)) for run in runs]
+        if any(math.isfinite(one.value) for one in amounts):
+            lines.append(Line(label, tuple(words.amount(one) for one in amounts), "", note))
     return lines
 
 

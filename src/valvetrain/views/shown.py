@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # a list of files loads none of these
     from valvetrain.views.style import FigureSpec
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
-SAID = ("M", "H", "W", "D", "F", "N", "Q", "J")
+SAID = ("M", "H", "W", "F", "N", "Q", "J")
 #: How next steps begin that take ``--units``.
 WITH_UNITS = tuple(f"valvetrain {one} " for one in (
     "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "study --parts",
@@ -146,6 +146,12 @@ class Shown(ABC):
         words: Any = getattr(self, "words", None)
         keeps = words is not None and words.units != "si" and step.startswith(WITH_UNITS)
         return f"{step} --units {words.units}" if keeps else step
+
+    @property
+    def further_step(self) -> str:
+        """A command of a note, which answers another question."""
+        steps = (one.step for one in self.findings if one.level == "notes")
+        return next((one for one in steps if one.startswith("valvetrain ")), "")
 
     def for_reader(self) -> Shown:
         """The same in the units that the reader asked for, where it is in SI."""

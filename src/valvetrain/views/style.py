@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,7 @@ import plotly.graph_objects as go
 from numpy.typing import ArrayLike
 from plotly.subplots import make_subplots
 
-from valvetrain.findings.facts import Array, cam_angles, over_turn
+from valvetrain.findings.facts import Array, Facts, cam_angles, over_turn
 from valvetrain.solution.result import Solution
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 
@@ -35,6 +36,13 @@ class FigureSpec:
     title: str
     hint: str
     make: Callable[[Any], go.Figure | None]
+
+
+def angle_title(facts: Facts, run: Solution) -> str:
+    """Title of an axis of cam angles: where lift is full, and what zero is as far as the case says it."""
+    zero = facts.study.record.zero_of_angle.partition(";")[0].replace(" cam deg", "")
+    nose = math.degrees(facts.nose(run).value)
+    return f"cam angle, deg (full lift {nose:.0f}{f'; 0: {zero}' if zero else ''})"
 
 
 def panels(heights: tuple[float, ...]) -> go.Figure:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
 SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
 #: Findings behind the rows, and width of the bars of control.
-BULLETS, WIDTH = 6, 48
+BULLETS, WIDTH = 6, 40
 
 
 def screen(answer: Shown, page: str = "", folder: str = "") -> RenderableType:
@@ -41,6 +41,7 @@ def plain(answer: Shown, page: str = "", width: int = 100) -> str:
 
 def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     yield Text(answer.title, style="bold")
+    told = set[str]()
     if answer.verdict is not None:
         fact, rest = answer.headline
         yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
@@ -49,13 +50,14 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
 
         if found := bars(answer.facts):
             yield Padding(_bars(answer, found, reach(answer.facts)), (0, 2), expand=False)
+            told = {one.code for one in found}
     if answer.models is not None:
         yield Padding(_texts(answer.models, -1), (0, 2), expand=False)
     if answer.lines:
         yield Padding(_rows(answer), (0, 2), expand=False)
     if answer.paper is not None:
         yield Padding(_texts(answer.paper), (0, 2), expand=False)
-    for one in answer.bullets[:BULLETS]:
+    for one in [one for one in answer.bullets if one.code not in told][:BULLETS]:
         sign = f"{SIGN[one.mark]} " if one.mark == "warn" else ""
         yield Text(f"  {sign}{one}", style=STYLE[one.mark])
     if answer.rests_on:
@@ -63,6 +65,8 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.next_step:
         command = answer.next_step.startswith("valvetrain ")
         yield _line("next" if command else "to do", answer.next_step, wraps=not command)
+    if answer.further_step:
+        yield _line("over lash", answer.further_step)
     if folder and not page:
         yield _line("files", folder)
     if page:
@@ -105,8 +109,11 @@ def _bars(answer: ShownStudy, bars: list[Bar], span: tuple[float, float]) -> Tab
     low, high = span
     step = (high - low) / WIDTH
     red = (answer.facts.red_line - low) / step
+    why = {one.code: one.remark for one in answer.findings}
     grid = Table.grid(padding=(0, 2, 0, 0))
     scale = f"{speed_text(low, '')}{speed_text((low + high) / 2, ''):^{WIDTH - 8}}{speed_text(high, '')}"
+    grid.add_column(no_wrap=True)
+    grid.add_column(no_wrap=True)
     grid.add_row("", Text(scale, style="dim"))
     for bar in bars:
         cells = [" "] * WIDTH
@@ -116,5 +123,6 @@ def _bars(answer: ShownStudy, bars: list[Bar], span: tuple[float, float]) -> Tab
             first = round((begin - low) / step)
             for place in range(first, max(round((end - low) / step), first + 1)):
                 cells[min(place, WIDTH - 1)] = "█"
-        grid.add_row(Text(bar.word, style="dim"), Text("".join(cells), style=STYLE[bar.mark]))
+        said = Text(why.get(bar.code, ""), style="dim")
+        grid.add_row(Text(bar.word, style="dim"), Text("".join(cells), style=STYLE[bar.mark]), said)
     return grid

@@ -2,7 +2,7 @@
 // Draws figures and moving pictures of an answer, whose data are packed: the browser unpacks them. A figure is drawn when its fold opens.
 const valvetrainFigures = (function () {
   const narrow = window.matchMedia("(max-width: 860px)");
-  const config = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "", displayModeBar: "hover",
+  const config = { displaylogo: false, responsive: true, displayModeBar: "hover",
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
   async function unpacked(text) {
     const bytes = Uint8Array.from(atob(text), function (char) { return char.charCodeAt(0); });
