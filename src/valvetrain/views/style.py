@@ -40,7 +40,10 @@ class FigureSpec:
 
 def angle_title(facts: Facts, run: Solution) -> str:
     """Title of an axis of cam angles: where lift is full, and what zero is as far as the case says it."""
-    zero = facts.study.record.zero_of_angle.partition(";")[0].replace(" cam deg", "")
+    zero = facts.study.record.zero_of_angle.partition(";")[0]
+    zero = zero.replace(
+        "cam deg before top dead centre", "before TDC"
+    )  # a narrow page has no room for more
     nose = math.degrees(facts.nose(run).value)
     return f"cam angle, deg (full lift {nose:.0f}{f'; 0: {zero}' if zero else ''})"
 
