@@ -42,7 +42,7 @@ class PartsLine(CommandLine):
     )
     output: Path | None = option(
         read_path,
-        "Folder of points and results; points that it holds are not computed again (default: runs/studies/FILE).",
+        "Folder of points and results; points that it holds are not computed again (default: runs/study/FILE).",
         "--output",
         "FOLDER",
     )

@@ -27,7 +27,7 @@ from valvetrain.workbench.store import MAX_LENGTH, checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are saved next to the runs.
-STUDIES, STUDY_ANSWER = "studies", "study.json"
+STUDIES, STUDY_ANSWER = "study", "study.json"
 #: Folder of a run with the tests that were laid over it; they are none of its results.
 TESTS = "laid-over"
 #: Largest study.json that is read, and largest folder that is served (bytes).
