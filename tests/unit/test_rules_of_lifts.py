@@ -43,12 +43,17 @@ def table(
     head: str = HEAD,
     velocity: float = 0.0,
     sign: float = 1.0,
+    scale: float = 1.0,
     **answers,
 ):
     """A lobe of 9 mm with ``noise`` (mm); one station ``slip`` (mm) too high; a column of velocity of that sign; and the
     lift of that sign.
     """
-    lifts = LIFTS + np.random.default_rng(7).normal(0, noise, len(ANGLES)) + slip * (ANGLES == 150)
+    lifts = (
+        scale * LIFTS
+        + np.random.default_rng(7).normal(0, noise, len(ANGLES))
+        + slip * (ANGLES == 150)
+    )
     lifts = sign * lifts
     columns = [ANGLES, lifts] + [velocity * np.gradient(LIFTS)] * bool(velocity)
     rows = ["; ".join(f"{one:.5f}" for one in row) for row in zip(*columns, strict=True)]
@@ -70,6 +75,14 @@ def far_apart() -> LobeResult:
     return loose(LobeResult(measured, law, lift_figures(law)))
 
 
+def without(first: float, last: float) -> LobeResult:
+    """No stations between two angles (deg)."""
+    kept = (first > ANGLES) | (last < ANGLES)
+    measured = table(3e-3)
+    law = smooth_lift(measured.cam_angles[kept], measured.lifts[kept])
+    return LobeResult(measured, law, lift_figures(law))
+
+
 def lobe(noise: float = 3e-3, band: float | None = None, **more) -> LobeResult:
     measured = table(noise, **more)
     law = smooth_lift(measured.cam_angles, measured.lifts, None, band)
@@ -86,6 +99,7 @@ def answers() -> dict[str, LiftAnswer]:
         "good": LiftFacts((lobe(),)), "slip": LiftFacts((lobe(slip=-0.05),)), "noisy": LiftFacts((loose(lobe(100e-3)),)),
         "dusty": LiftFacts((lobe(slip=0.05),)), "mended": LiftFacts((lobe(slip=0.05, mend=True),)), "falling": LiftFacts((lobe(sign=-1.0),)),
         "far": LiftFacts((far_apart(),)),
+        "inches": LiftFacts((lobe(1e-4, scale=1 / 25.4),)), "gap": LiftFacts((without(171, 189),)),
         "wrong": LiftFacts((lobe(velocity=-1.0),)), "right": LiftFacts((lobe(velocity=1.0),)), "tight": LiftFacts((lobe(band=1e-6),)),
         "both": LiftFacts(both, pair_figures(law, law)), "case": LiftFacts((lobe(),), carried=CARRIED, file="case.toml"),
         "failed": LiftFacts((lobe(),), carried=failed), "told": LiftFacts((lobe(direction="forward", zero="file"),)),
@@ -115,7 +129,8 @@ def answers() -> dict[str, LiftAnswer]:
 HOLDS = {
     "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L205": ("dusty", "mended"),
     "L206": ("far", "noisy"), "L207": ("steep", "good"), "L208": ("arcs", "good"), "L209": ("small", "good"), "L210": ("case", "good"),
-    "L211": ("good", "slip"), "L212": ("typed", "good"), "L220": ("tight", "good"),
+    "L211": ("good", "slip"), "L212": ("typed", "good"), "L213": ("inches", "good"),
+    "L214": ("gap", "mended"), "L220": ("tight", "good"),
     "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"), "L233": ("falling", "good"), "L234": ("mended", "dusty"),
     "L235": ("events", "good"),
 }  # fmt: skip
@@ -138,6 +153,7 @@ def test_every_rule_has_its_lobes():
         ("noisy", "L204", pytest.approx(100e-6, rel=0.15)), ("both", "L211", pytest.approx(0, abs=1e-3)),
         ("dusty", "L205", pytest.approx(0.05e-3, rel=0.1)), ("mended", "L211", pytest.approx(9.0025e-3, rel=1e-4)),
         ("case", "L210", pytest.approx(7000 * np.pi / 30)), ("failed", "L201", None), ("wrong", "L203", None),
+        ("inches", "L213", pytest.approx(9e-3 / 25.4, rel=1e-2)), ("gap", "L214", pytest.approx(np.radians(20))),
         ("small", "L209", pytest.approx(10e-3)), ("typed", "L212", pytest.approx(np.radians(207.5))),
     ],
 )  # fmt: skip

@@ -19,6 +19,9 @@ from valvetrain.solution.definition import label_of
 LOOSE, AGREES = 0.2, 0.05
 #: Largest acceleration of a lobe next to its lift over the square of half its width.
 STEEP = 20.0
+#: Peaks (m) of the lifts of engines, from model engines to large diesels; distance of two stations, next to the larger of
+#: those beside it, that is a gap.
+USUAL, GAP = (1.5e-3, 60e-3), 3.0
 #: Question of a table -> what is assumed where it gives no answer.
 ASSUMED = {
     "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle"
@@ -149,6 +152,28 @@ def steep(facts: LiftFacts) -> Iterator[Hit]:
             )
 
 
+def unusual(facts: LiftFacts) -> Iterator[Hit]:
+    """The peak of a lift is none of an engine's, as where its unit is another."""
+    for lobe in facts.lobes:
+        peak = next(one.value for one in lobe.figures if one.name == "peak_lift")
+        if not USUAL[0] <= peak <= USUAL[1]:
+            yield Hit(Amount("peak_lift", peak), fields={"lobe": lobe.measured.name})
+
+
+def gaps(facts: LiftFacts) -> Iterator[Hit]:
+    """Stations are missing within the lobe, beyond those that were taken out."""
+    for lobe in facts.lobes:
+        angles = lobe.smoothed.cam_angles
+        apart = np.diff(angles)
+        beside = np.maximum(apart[:-2], apart[2:])
+        wide = np.flatnonzero(apart[1:-1] > GAP * beside) + 1
+        if wide.size and not lobe.measured.mended:
+            worst = int(wide[np.argmax(apart[wide])])
+            angle = Amount("station_cam_angle", float(angles[worst : worst + 2].mean()))
+            width = Amount("station_cam_angle", float(apart[worst]))
+            yield Hit(width, fields={"lobe": lobe.measured.name, "angle": angle})
+
+
 def jumps(facts: LiftFacts) -> Iterator[Hit]:
     """The acceleration jumps, and a smooth lift through the stations overshoots there."""
     for lobe in facts.lobes:
@@ -252,6 +277,10 @@ RULES = (
          "the highest at {angle:4}, by {value:2}",
          "clean the probe and measure again, or repeat this command with --mend", "bumps, the highest at {angle:4}",
          "measured-lifts.md", "warn"),
+    Rule("L213", "decides", "the {lobe} lifts {value:3} at most, as no engine does", unusual, ("peak_lift",), "the unit of the lifts may be another",
+         "correct the heading, or repeat this command with --lift-unit", mark="warn"),
+    Rule("L214", "decides", "no station of the {lobe} for {value:3}, near {angle:4}", gaps, ("station_cam_angle",),
+         "what the lift does there is a guess", "measure there too, then repeat this command", mark="warn", unless=("L205",)),
     Rule("L202", "decides", "a smooth {lobe} misses {count}", off, ("station_lift",), "most at {angle:4}, by {value}",
          "correct these stations in the table, then repeat this command", "most at {angle:4}", "measured-lifts.md", "warn", ("L205",)),
     Rule("L203", "decides", "the column of {column} is not the derivative of the lift", misfit, (),
@@ -274,7 +303,7 @@ RULES = (
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
          "its acceleration is known within {share}", "add --case with your train, or copy the [lift_law] of [{case}] into it",
-         mark="ok", unless=("L20", "L210")),
+         mark="ok", unless=("L20", "L210", "L213", "L214")),
     Rule("L212", "decides", "{first} {value:4}, {second} {more:4}", timed, (), "of the events as they were typed in",
          "write them into the [lift_law] of a case, with its lift", mark="ok"),
     Rule("L220", "warns", "the requested band is tighter than the noise", widened, (),
