@@ -14,10 +14,10 @@ from typing import Any
 
 from typer.core import TyperGroup
 
-from valvetrain.cli.options import giving_back
 from valvetrain.cli.outcome import (
     complain,
     error_object,
+    giving_back,
     manner,
     mend_streams,
     reader_left,

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 import inspect
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
+from valvetrain.cli.outcome import HELD, at_end
 from valvetrain.errors import InputError
 from valvetrain.runs import request_fields
 from valvetrain.runs.request_fields import options_of
@@ -22,25 +22,6 @@ from valvetrain.runs.requests import MAX_WORKERS, Sweep
 if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor
     from valvetrain.parameters.case import Case
-
-
-_HELD: list[ExitStack] = []
-
-
-@contextmanager
-def giving_back() -> Iterator[None]:
-    """Call at the end of the block every release that :func:`at_end` received in it."""
-    with ExitStack() as held:
-        _HELD.append(held)
-        try:
-            yield
-        finally:
-            _HELD.remove(held)
-
-
-def at_end(release: Callable[[], None]) -> None:
-    """Call ``release`` when the command ends."""
-    _HELD[-1].callback(release)
 
 
 def name_case(case: str, settings: Sequence[str] | None, more: Sequence[str] = ()) -> None:
@@ -252,7 +233,7 @@ def read_workers(value: int | None, dask: str = "") -> int:
         return count
     from valvetrain.runs.cluster import on_cluster
 
-    return _HELD[-1].enter_context(on_cluster(dask, count))
+    return HELD[-1].enter_context(on_cluster(dask, count))
 
 
 def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:

@@ -8,7 +8,8 @@ import math
 import os
 import select
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
@@ -244,3 +245,23 @@ def plain_table(
 
 #: Estimates above this are printed (s).
 WORTH_SAYING = 20.0
+
+
+#: What the commands that run release at their ends.
+HELD: list[ExitStack] = []
+
+
+@contextmanager
+def giving_back() -> Iterator[None]:
+    """Call at the end of the block every release that :func:`at_end` received in it."""
+    with ExitStack() as held:
+        HELD.append(held)
+        try:
+            yield
+        finally:
+            HELD.remove(held)
+
+
+def at_end(release: Callable[[], None]) -> None:
+    """Call ``release`` when the command ends."""
+    HELD[-1].callback(release)

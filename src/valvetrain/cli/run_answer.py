@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
-from valvetrain.cli.options import at_end
-from valvetrain.cli.outcome import complain
+from valvetrain.cli.outcome import at_end, complain
 from valvetrain.cli.request import MotionLine, StudyLine
 from valvetrain.runs.cost import FEWER, Cost, refuse_cost
 from valvetrain.runs.requests import Request, Watch

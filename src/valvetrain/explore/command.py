@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from valvetrain.cli.options import at_end
-from valvetrain.cli.outcome import WORTH_SAYING, deliver, tell
+from valvetrain.cli.outcome import WORTH_SAYING, at_end, deliver, tell
 from valvetrain.cli.parts import PartsLine, answer_parts
 from valvetrain.cli.request import CommandLine, add_command
 from valvetrain.cli.run_answer import show_page

@@ -15,7 +15,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.runs.request_fields import option, read_count, read_text
 from valvetrain.runs.stopping import shows_progress
-from valvetrain.runs.workers import Progress
 
 if TYPE_CHECKING:
     from valvetrain.explore.files import FileText
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from valvetrain.explore.space import Prior
     from valvetrain.explore.study import StudyModel
     from valvetrain.explore.table import StudyPlan, StudyTable
+    from valvetrain.runs.workers import Progress
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
-from valvetrain.runs.cost import Cost, RunRequest, limits_of, refuse_cost, request_cost
+from valvetrain.runs.cost import Cost, RunRequest, array_cost, limits_of, refuse_cost
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
@@ -166,9 +166,9 @@ def band_cost(run_request: RunRequest, draws: int, search: Sequence[float] | Non
     at ``search`` (rad/s of the crank).
     """
     alone = replace(run_request, workers=1)
-    once = request_cost(alone, whole=True)
+    once = array_cost(alone, whole=True)
     if search is not None:
-        once += request_cost(
+        once += array_cost(
             replace(alone, command="sweep", engine_speeds=tuple(search)), whole=False, searches=True
         )
     at_a_time = max(1, min(run_request.workers, draws + 1))

@@ -6,12 +6,14 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.springs.spec import SpringModelSpec, spring_model
-from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, default_model, default_models
+
+if TYPE_CHECKING:  # commands name limits before anything is computed
+    from valvetrain.parameters.case import Case
+    from valvetrain.parameters.installed_spring import InstalledSpring
+    from valvetrain.springs.spec import SpringModelSpec
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
@@ -167,6 +169,8 @@ def planned(request: RunRequest) -> list[tuple[tuple[str, ...], Sequence[Install
     """(spring models, installed springs) of every part of the study, as
     :func:`valvetrain.system.build.build` chooses them.
     """
+    from valvetrain.system.build import COMPARED_ALONE, COMPARED_IN_TRAIN, default_models
+
     case, models = request.case, request.models
     if request.command == "compare" and not models:
         models = COMPARED_ALONE if case.train is None else COMPARED_IN_TRAIN
@@ -202,9 +206,17 @@ def mesh_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, floa
 
 
 def request_cost(request: RunRequest, whole: bool = True, searches: bool = False) -> Cost:
-    """Cost of a request: every model at every speed, its runs stored ``whole`` or without channels; ``searches``: with
-    the critical speeds of a train.
+    """Cost of a request: :func:`array_cost` and its processes."""
+    arrays = array_cost(request, whole, searches)
+    return arrays + Cost(0.0, PROCESS_BYTES * max(1, request.workers)) if arrays.bytes else arrays
+
+
+def array_cost(request: RunRequest, whole: bool = True, searches: bool = False) -> Cost:
+    """Cost of the arrays of a request: every model at every speed, its runs stored ``whole`` or without channels;
+    ``searches``: with the critical speeds of a train.
     """
+    from valvetrain.springs.spec import spring_model
+
     case, train = request.case, request.case.train
     engine_speeds = request.engine_speeds
     if engine_speeds is None:
@@ -229,7 +241,7 @@ def request_cost(request: RunRequest, whole: bool = True, searches: bool = False
             stepping = simulated_time * spec.processor_time * work
             seconds = ((OVERHEAD + STEP_TIME * steps) * stored + stepping) / at_a_time
             run = 8.0 * INSTANTS * (AT_ENDS + AT_POINT * sum(points for points, _ in meshes))
-            at_work = (PROCESS_BYTES + 2 * run + STEP_BYTES * steps) * at_a_time
+            at_work = (2 * run + STEP_BYTES * steps) * at_a_time
             total += Cost(seconds, (run + STORED_BYTES * steps) * stored + at_work)
     return total
 
@@ -250,8 +262,8 @@ def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int 
     """Cost of the error bars of a case at ``engine_speeds`` (rad/s of the crank; None: its own)."""
     speeds = None if engine_speeds is None else tuple(engine_speeds)
     models = ("finite-element",) if case.train is None else ()
-    runs = request_cost(RunRequest("run", case, speeds, models, (), workers), whole=False)
-    return Cost(runs.seconds * VARIANTS, runs.bytes * FINER)
+    runs = array_cost(RunRequest("run", case, speeds, models, (), workers), whole=False)
+    return Cost(runs.seconds * VARIANTS, runs.bytes * FINER + PROCESS_BYTES * max(1, workers))
 
 
 def static_cost(
@@ -263,6 +275,8 @@ def static_cost(
     modes: int = 0,
 ) -> Cost:
     """Cost of :func:`valvetrain.runs.statics.static_study` at as many ``heights``, those of its curves too."""
+    from valvetrain.system.build import default_model
+
     parts = planned(RunRequest("static", case, None, (), tuple(spring_sets), 1))
     costs = (
         spring_cost(spring, model, heights, modes)
@@ -274,6 +288,8 @@ def static_cost(
 
 def spring_cost(spring: InstalledSpring, model: str, heights: int, modes: int = 0) -> Cost:
     """Cost of one spring at rest by one model at as many ``heights``, and of its ``modes``."""
+    from valvetrain.springs.spec import spring_model
+
     spec = spring_model(model, "models")
     points, _ = mesh_of(spec, spring)
     heights = min(heights, MOST_HEIGHTS)
