@@ -274,7 +274,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("prior", {"kind": "flat"}, "use one of uniform"), ("prior", {"high": 1.0}, "is not below high"),
     ("prior", {"kind": "uniform", "high": float("inf")}, "two finite bounds"),
     ("prior", {"kind": "log-uniform", "low": 0.0}, "of positive values"),
-    *(("material", {name: value}, f"{name} of material")
+    *(("material", {name: value}, f"{name} of the material")
       for name in ("youngs_modulus", "shear_modulus", "density") for value in (0.0, -1.0)),
     ("material", {"shear_modulus": 60e9}, "outside -1 to 0.5"),
     ("definition", {"total_coils": "seven"}, "turns"), ("definition", {"total_coils": math.inf}, "positive number of total_coils"),

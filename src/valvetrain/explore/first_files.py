@@ -38,6 +38,8 @@ OF_TRAIN = {
 }
 #: Engine speeds of a study of lash, as shares of the highest one in use.
 SHARES = (0.6, 0.8, 1.0)
+#: Lashes that are tried, over that of the case or (mm) a usual one.
+LASHES, USUAL_LASH = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 0.2
 _COIL_BIND = '\n[[constraint]]\nquantity = "coil_bind_clearance"\nat_least = "1 mm"'
 _MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
 
@@ -112,13 +114,15 @@ def _lash(case: Case) -> list[str]:
     if case.train is None:
         raise InputError("a spring alone has no lash; give the case of an engine", "--case")
     speeds = ", ".join(f"{share * _top(case):.0f}" for share in SHARES)
+    usual = to_unit(case.train.lash, "mm") or USUAL_LASH
+    lashes = ", ".join(f"{share * usual:.4g}" for share in LASHES)
     return [
         "# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts.",
         "#\n#     valvetrain study NAME.toml\n",
         'outputs = ["seating_velocity", "seating_cam_angle", "bounce_height"]',
         'points = { sampler = "grid" }',
         f'\n[[vary]]\nkey = "engine_speed"\nvalues = "{speeds} rpm"',
-        '\n[[vary]]\nkey = "train.lash"\nvalues = "0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3 mm"\nlabel = "lash"',
+        f'\n[[vary]]\nkey = "train.lash"\nvalues = "{lashes} mm"\nlabel = "lash"',
     ]
 
 
