@@ -55,7 +55,7 @@ def test_the_curve_of_the_spring_passes_through_the_marks_of_its_card():
 def test_the_gain_that_the_page_tells_is_that_of_its_tables():
     """20 lbf more: the nominal speeds of float and of the first loss of contact."""
     gains = []
-    for words in (r"floats from (\d+) rpm", r"LOSES THE CAM AT ABOUT (\d+) RPM"):
+    for words in (r"floats +█+ +from (\d+) rpm", r"LOSES THE CAM AT ABOUT (\d+) RPM"):
         before, after = (float(value) for value in re.findall(words, PAGE))
         gains.append(after - before)
     told = re.search(

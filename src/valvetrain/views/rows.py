@@ -218,7 +218,8 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
         sizes = largest(facts, names, factor)
         amounts = [Amount(names[0], sizes.get(run.spring_set, math.nan)) for run in runs]
         if any(math.isfinite(one.value) for one in amounts):
-            lines.append(Line(label, tuple(words.amount(one) for one in amounts), "", note))
+            cells = tuple(words.amount(one) if math.isfinite(one.value) else "" for one in amounts)
+            lines.append(Line(label, cells, "", note))
     return lines
 
 
