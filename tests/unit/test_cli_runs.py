@@ -43,7 +43,11 @@ def test_every_template_runs_as_it_stands_and_answers_on_a_screen(tmp_path, monk
     assert len(lines) < 30 and max(map(len, lines)) <= 100
     assert not [word for word in PAPERS if word in result.stdout]
     labels = [line.split("  ")[1] for line in lines if line.startswith("  ")]
-    assert {"spring" if kind != "spring" else "on the seat", "surge, 0 to peak", "coil bind"} <= set(labels)
+    assert {
+        "spring" if kind != "spring" else "on the seat",
+        "surge, 0 to peak",
+        "coil bind",
+    } <= set(labels)
     assert re.search(r"runs.mine.\d{8}-\d{6}-[0-9a-f]{8}$", lines[-1])
 
 
