@@ -208,7 +208,9 @@ def mesh_of(spec: SpringModelSpec, spring: InstalledSpring) -> tuple[float, floa
 def request_cost(request: RunRequest, whole: bool = True, searches: bool = False) -> Cost:
     """Cost of a request: :func:`array_cost` and its processes."""
     arrays = array_cost(request, whole, searches)
-    return arrays + Cost(0.0, PROCESS_BYTES * max(1, request.workers)) if arrays.bytes else arrays
+    speeds = request.engine_speeds or request.case.operation.engine_speeds
+    processes = max(1, min(request.workers, len(speeds))) if arrays.bytes else 0
+    return arrays + Cost(0.0, PROCESS_BYTES * processes)
 
 
 def array_cost(request: RunRequest, whole: bool = True, searches: bool = False) -> Cost:
