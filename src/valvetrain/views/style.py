@@ -38,14 +38,17 @@ class FigureSpec:
     make: Callable[[Any], go.Figure | None]
 
 
+#: Letters of an axis title that a narrow page has for the zero of its angle.
+ROOM = 20
+
+
 def angle_title(facts: Facts, run: Solution) -> str:
     """Title of an axis of cam angles: where lift is full, and what zero is as far as the case says it."""
-    zero = facts.study.record.zero_of_angle.partition(";")[0]
-    zero = zero.replace(
+    zero = facts.study.record.zero_of_angle.replace(
         "cam deg before top dead centre", "before TDC"
-    )  # a narrow page has no room for more
+    ).partition(";")[0]
     nose = math.degrees(facts.nose(run).value)
-    return f"cam angle, deg (full lift {nose:.0f}{f'; 0: {zero}' if zero else ''})"
+    return f"cam angle, deg (full lift {nose:.0f}{f'; 0: {zero}' if 0 < len(zero) <= ROOM else ''})"
 
 
 def panels(heights: tuple[float, ...]) -> go.Figure:
