@@ -11,7 +11,7 @@
     turns bonded or ground
     python -m benchmarks.solid_reference ride               transient of the beehive at 8000 rpm on
     the coarse mesh
-    python -m benchmarks.solid_reference write              data file and page from all kept results
+    python -m benchmarks.solid_reference write              data file from all kept results
 
 CASE is one of the names in SPRINGS, LEVEL one of LEVELS. One core; minutes at the finest level.
 """
