@@ -4,8 +4,7 @@ Torsion and direct shear carry the curvature of the bar, bending in the coil pla
 published factors hold for an axial
 force, where torsional moment T and shear force V belong together (T = V D / 2); they are split into
 a share of T and a share of V,
-so that a dynamic state, where the two part, is covered as well
-(docs/decisions/0030-stress-of-the-wire.md).
+so that a dynamic state, where the two part, is covered as well.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@ crosses cell by cell.
 
 With cell length a h (Courant number one) the explicit step IS d'Alembert's solution: a step of the
 end velocity travels undistorted.
-See docs/decisions/0011-rod-at-unit-courant.md. Source: Vasilyev, Bakhracheva and Storojakov, valve
+Source: Vasilyev, Bakhracheva and Storojakov, valve
 gear model, equations 1 to 3.
 """
 

@@ -1,6 +1,4 @@
-"""The pages of the workbench in the browser, with NiceGUI
-(docs/decisions/0073-pages-with-nicegui.md).
-"""
+"""The pages of the workbench in the browser, with NiceGUI."""
 
 from __future__ import annotations
 
