@@ -11,8 +11,8 @@ from valvetrain import registry
 from valvetrain.parameters import schema_installed
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_contact import ContactTable
-from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import Table
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.spring_options import options_table

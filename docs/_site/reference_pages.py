@@ -11,14 +11,14 @@ from defaults_page import defaults_page
 from generated import write_changed
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.plausible import TABLES
+from valvetrain.parameters.summary import rpm
+from valvetrain.quantities.limits import TABLES
 from valvetrain.quantities.table import AT_REST, CAM, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN, find
 from valvetrain.runs.error_bars import grouped
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.definition import QuantityRow, label_of, shown, tables
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.views.text import rpm
 
 _HEAD = """\
 # Named quantities

@@ -137,8 +137,8 @@ BUILT_IN["integrators"] = {
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
-    "gu2021": "valvetrain.sources.rows:GU2021",
-    "multibody4b17": "valvetrain.sources.rows:MULTIBODY4B17",
+    "gu2021": "valvetrain.sources.readings:GU2021",
+    "multibody4b17": "valvetrain.sources.readings:MULTIBODY4B17",
 }
 BUILT_IN["lifts"] = {
     "zero": "valvetrain.cam.closed_form:ZERO_SPEC",
@@ -226,8 +226,8 @@ BUILT_IN["rules"] = {
     "train/others": "valvetrain.findings.rules_study:OTHERS",
     "spring/others": "valvetrain.findings.rules_study:SPREAD",
     "last": "valvetrain.findings.rules_study:LAST",
-    "assumed": "valvetrain.findings.rules_assumed:RULES",
-    "published/published": "valvetrain.findings.rules_published:RULES",
+    "assumed": "valvetrain.findings.rules_source:ASSUMED",
+    "published/published": "valvetrain.findings.rules_source:PUBLISHED",
 }
 #: Tables of rules on other results than studies; the answer of each judges by its own.
 BUILT_IN["other_rules"] = {
@@ -250,7 +250,7 @@ BUILT_IN["figures"] = {
     "run-up/run-up": "valvetrain.views.figures:RUN_UP",
     "searched/speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
     "sweeps/forces": "valvetrain.views.over_speed:FORCES",
-    "compare/models": "valvetrain.views.models:MODELS",
+    "compare/models": "valvetrain.views.side_by_side:MODELS",
     "train/control": "valvetrain.views.figures:CONTROL",
     "force": "valvetrain.views.figures:FORCE",
     "train/lift": "valvetrain.views.figures:LIFT",
@@ -261,9 +261,9 @@ BUILT_IN["figures"] = {
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
     "sweeps/order-map": "valvetrain.views.over_speed:ORDER_MAP",
     "strength": "valvetrain.views.figures_of_springs:STRENGTH",
-    "modes/surge-orders": "valvetrain.views.at_rest:SURGE_ORDERS",
-    "modes/mode-shapes": "valvetrain.views.at_rest:MODE_SHAPES",
-    "rest": "valvetrain.views.at_rest:STATIC_CURVES",
+    "modes/surge-orders": "valvetrain.views.figures_of_springs:SURGE_ORDERS",
+    "modes/mode-shapes": "valvetrain.views.figures_of_springs:MODE_SHAPES",
+    "rest": "valvetrain.views.figures_of_springs:STATIC_CURVES",
     "published/paper": "valvetrain.views.figures_of_springs:PAPER",
 }
 BUILT_IN["tables"] = {

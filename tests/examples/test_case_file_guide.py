@@ -13,13 +13,13 @@ from valvetrain import registry
 from valvetrain.cam import build_lift_law
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Rubbing
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_installed import (
     CardBlock,
     CoilContactModel,
     WireBlock,
 )
-from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")

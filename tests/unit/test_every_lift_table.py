@@ -18,8 +18,8 @@ from valvetrain.cam.arcs import ThreeArc
 from valvetrain.cam.flanks import FlankModel
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
+from valvetrain.parameters.lift_law import read_lift_model
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.schema_lift import read_lift_model
 
 DEG, INCH = math.pi / 180, 0.0254
 FLANKS = 'maximum_lift = "8 mm"\nopening_start = "50 deg"\nopening_end = "100 deg"\nclosing_start = "120 deg"\nclosing_end = "175 deg"\n'

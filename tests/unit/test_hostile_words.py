@@ -17,9 +17,9 @@ from unit.cli_parts import SMALL
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.views.answer import Answer
-from valvetrain.views.csv_table import quoted
 from valvetrain.views.page import page_of
 from valvetrain.views.results import write_study
+from valvetrain.views.study_files import quoted
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"

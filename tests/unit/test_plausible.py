@@ -17,7 +17,7 @@ from valvetrain.cam.closed_form import Zero
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline, Stations
 from valvetrain.errors import InputError
-from valvetrain.quantities.plausible import (
+from valvetrain.quantities.limits import (
     lift_extremes,
     plausible_rest,
     plausible_run,

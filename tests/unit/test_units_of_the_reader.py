@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
+from valvetrain.parameters.summary import amount
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.definition import definition_of, shown, tables
 from valvetrain.units import dimension_of, dimension_powers
@@ -22,7 +23,6 @@ from valvetrain.units.reader import (
     shown_system,
 )
 from valvetrain.views.page import data_of
-from valvetrain.views.text import amount
 
 ROWS = [one for rows in tables().values() for one in rows if "{" not in one.name]
 

@@ -9,7 +9,8 @@ import pytest
 
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, found, lift_of, rigid, train
 from valvetrain.quantities.clash import clash_events
-from valvetrain.quantities.train_numbers import counted_quantities, of_kind
+from valvetrain.quantities.forces import counted_quantities
+from valvetrain.quantities.train_numbers import of_kind
 from valvetrain.solution.status import Cause, Event
 
 

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec, check_derivative
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, guarded, problem
 
 

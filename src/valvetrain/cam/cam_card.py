@@ -19,7 +19,7 @@ from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.measured.cam_events import KEYS, CamEvents
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import (
     Angle,
     Lash,

@@ -20,7 +20,7 @@ from valvetrain.cam.contract import (
 )
 from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked, polynomial_value, rise_factors
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import Exponents, LiftModel
+from valvetrain.parameters.lift_law import Exponents, LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, problem
 
 

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftLawParameters, LiftModel
 
 Array = NDArray[np.float64]
 TURN = 2 * math.pi

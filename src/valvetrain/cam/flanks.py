@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from valvetrain.cam.contract import TURN, Array, after, check_derivative
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength
 
 #: ``shape(x, derivative)``: rise from 0 to 1 for x in [0, 1], with zero velocity at both ends.

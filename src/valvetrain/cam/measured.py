@@ -18,8 +18,7 @@ from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
-from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_lift import LiftModel, check_angles
+from valvetrain.parameters.lift_law import LiftLawParameters, LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
     Angle,
     Angles,

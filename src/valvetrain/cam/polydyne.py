@@ -23,7 +23,7 @@ from valvetrain.cam.flanks import polynomial_value, rise_factors
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.cam.ramped import RampBlend, ramp_states
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import Exponents, LiftModel
+from valvetrain.parameters.lift_law import Exponents, LiftModel
 from valvetrain.parameters.schema_types import (
     Angle,
     Mass,

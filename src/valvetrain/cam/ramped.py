@@ -13,7 +13,7 @@ from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.cam.spline import Stations
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, problem, quantity
 
 Flank = Literal["quintic", "pulses"]

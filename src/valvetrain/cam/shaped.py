@@ -17,7 +17,7 @@ from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.cam.ramped import ramp_states
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, quantity
 
 

@@ -16,7 +16,7 @@ from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps, lobe_of_file
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel, check_angles
+from valvetrain.parameters.lift_law import LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
     Angle,
     Angles,

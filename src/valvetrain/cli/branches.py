@@ -54,9 +54,9 @@ def branches(request: BranchesRequest, line: SavedLine, folder: Path) -> None:
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.cli.run_answer import SavedRequest, saved_result
+    from valvetrain.parameters.summary import rpm
     from valvetrain.runs.branch_march import branches as march
     from valvetrain.views.branches import BranchesAnswer
-    from valvetrain.views.text import rpm
 
     case, quantity = request.case, request.quantity
     announce_runs(case)

@@ -14,8 +14,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
-from valvetrain.parameters.summary import number, value_text
-from valvetrain.views.text import amount
+from valvetrain.parameters.summary import amount, number, value_text
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case, Operation

@@ -77,10 +77,10 @@ def _saved_outcome(
     """The study written to its folder, with a sentence where it was ``stopped`` or a variant
     failed.
     """
+    from valvetrain.parameters.summary import rpm
     from valvetrain.solution.atomic import write_text
     from valvetrain.views.json import uncertainty_object
     from valvetrain.views.refinement import RefineAnswer
-    from valvetrain.views.text import rpm
     from valvetrain.views.uncertainty_tables import levels_table, uncertainty_table
 
     case, engine_speeds = request.case, request.engine_speeds

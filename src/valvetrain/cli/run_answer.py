@@ -129,9 +129,9 @@ def _saved_outcome(
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
+    from valvetrain.parameters.summary import rpm
     from valvetrain.solution.status import PartialFailures
     from valvetrain.views.results import answer_json, write_answer
-    from valvetrain.views.text import rpm
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()

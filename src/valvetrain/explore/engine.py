@@ -24,9 +24,8 @@ from valvetrain.explore.evaluate import Point, bars_of, evaluate
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
-from valvetrain.parameters.case import Case
+from valvetrain.parameters.case import Case, content, function_text
 from valvetrain.parameters.case_changes import tables_of
-from valvetrain.parameters.identity import content, function_text
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from valvetrain.findings.engine import SPRINGS, Hit, Rule, Subject
-from valvetrain.findings.rules_assumed import LASH, RECUT
+from valvetrain.findings.rules_source import LASH, RECUT
 from valvetrain.findings.words import Amount
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case

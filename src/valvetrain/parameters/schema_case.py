@@ -17,9 +17,8 @@ from valvetrain.parameters.bounded_file import bounded_bytes, named_file
 from valvetrain.parameters.case import Case, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
-from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.lift_law import LiftField, LiftLawParameters, LiftModel
 from valvetrain.parameters.schema_blocks import CaseSprings
-from valvetrain.parameters.schema_lift import LiftField, LiftModel
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
     CaseName,

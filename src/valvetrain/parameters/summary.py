@@ -7,6 +7,7 @@ import math
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear, Table
 from valvetrain.parameters.material import Material
 from valvetrain.units import unit_factor
+from valvetrain.units.reader import reader_factor, reader_unit
 
 #: Size below which a number, in any unit that is shown, is rounding alone.
 ROUNDING = 1e-12
@@ -85,3 +86,17 @@ def percent(share: float) -> str:
 def unit_text(unit: str) -> str:
     """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``, ``um`` -> ``µm``."""
     return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs").replace("um", "µm")
+
+
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number in a metric ``unit`` as text in the unit of the reader: ``112.4 N``.
+
+    >>> amount(0.5, "mm")
+    '0.5 mm'
+    """
+    return f"{number(value * reader_factor(unit), digits)} {unit_text(reader_unit(unit))}".strip()
+
+
+def rpm(engine_speed: float) -> float:
+    """rad/s as revolutions per minute, rounded to 1e-6."""
+    return round(engine_speed * 30 / math.pi, 6)

@@ -18,6 +18,7 @@ from valvetrain.quantities.clash import (
 )
 from valvetrain.quantities.cycle import Cycle, Frame, is_closed, reported_cycle
 from valvetrain.quantities.forces import (
+    counted_quantities,
     energy_quantities,
     force_quantities,
     lift_quantities,
@@ -26,7 +27,6 @@ from valvetrain.quantities.forces import (
 from valvetrain.quantities.stress import stress_quantities, with_wire_stress
 from valvetrain.quantities.train_events import LOGGED, RigidCycle, rigid_cycle, train_events
 from valvetrain.quantities.train_numbers import (
-    counted_quantities,
     margin_quantities,
     train_quantities,
 )

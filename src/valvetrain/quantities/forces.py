@@ -1,9 +1,10 @@
-"""Spring forces of a cycle (extremes raw and band-limited, surge by cam order) and the energy
-balance of a run.
+"""Spring forces of a cycle (extremes raw and band-limited, surge by cam order) the energy
+balance of a run, and what its integrator counted.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +20,21 @@ from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> its part of a quantity's name.
 END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
+#: Numbers of the integrator that are quantities under the same name, next to every
+#: ``peak_..._force`` and ``peak_..._moment``.
+COUNTED = (
+    "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
+    "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
+    "steps_per_cycle_count", "minimum_spring_force", "minimum_retainer_force", "peak_spring_force_cam_angle",
+    "raw_peak_spring_force_cam_angle",
+    "minimum_spring_force_cam_angle", "driver_difference_force",
+    "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
+)  # fmt: skip
+#: Share of peak force times lift below which a spring loses nothing: its sum over the steps has that
+#: error.
+ROUNDING = 2e-5
+#: Front of the names of what differs from cycle to cycle.
+SCATTER = "cycle_scatter_"
 
 
 def fine_of_cycle(cycle: Cycle, channel: str) -> tuple[Array, Array]:
@@ -295,3 +311,26 @@ def lift_harmonic(valve_lift: Callable[[Array], Array], order: int) -> float:
     return float(
         2 * np.abs(np.fft.rfft(valve_lift(np.arange(count) * 2 * np.pi / count))[order]) / count
     )
+
+
+def counted_quantities(solution: Solution) -> dict[str, float]:
+    """Numbers that only the integrator could see: every step's peaks, work and losses, the way to
+    the steady state.
+    """
+    peak = re.compile("(raw_)?peak_.*_(force|moment)(_duration)?")
+    counted = {
+        name: value
+        for name, value in solution.statistics.items()
+        if isinstance(value, (int, float))
+    }
+    found = {
+        name: float(value)
+        for name, value in counted.items()
+        if name in COUNTED or name.startswith(SCATTER) or peak.fullmatch(name)
+    }
+    if "spring_dissipated_energy" in found:
+        moved = found.get("peak_retainer_force", 0.0) * found.get("peak_valve_lift", 0.0)
+        if abs(found["spring_dissipated_energy"]) < ROUNDING * moved:
+            found["spring_dissipated_energy"] = 0.0
+        found["cycle_damper_energy"] = found["spring_dissipated_energy"]
+    return found

@@ -1,10 +1,7 @@
-"""Named numbers of one closed cycle of a train from its channels and events, and what the
-integrator of any system counted.
-"""
+"""Named numbers of one closed cycle of a train from its channels and events."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,6 +12,7 @@ from valvetrain.integrate.train_channels import load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
+from valvetrain.quantities.forces import counted_quantities
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_value
 from valvetrain.quantities.train_events import (
@@ -34,46 +32,8 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.system.train_system import TrainSystem
 
-#: Numbers of the integrator that are quantities under the same name, next to every
-#: ``peak_..._force`` and ``peak_..._moment``.
-COUNTED = (
-    "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
-    "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
-    "steps_per_cycle_count", "minimum_spring_force", "minimum_retainer_force", "peak_spring_force_cam_angle",
-    "raw_peak_spring_force_cam_angle",
-    "minimum_spring_force_cam_angle", "driver_difference_force",
-    "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
-)  # fmt: skip
-#: Share of peak force times lift below which a spring loses nothing: its sum over the steps has that
-#: error.
-ROUNDING = 2e-5
 #: Share of the inertia force that a spring shall have to spare, for surge and for parts that flex.
 RESERVE = 0.2
-#: Front of the names of what differs from cycle to cycle.
-SCATTER = "cycle_scatter_"
-
-
-def counted_quantities(solution: Solution) -> dict[str, float]:
-    """Numbers that only the integrator could see: every step's peaks, work and losses, the way to
-    the steady state.
-    """
-    peak = re.compile("(raw_)?peak_.*_(force|moment)(_duration)?")
-    counted = {
-        name: value
-        for name, value in solution.statistics.items()
-        if isinstance(value, (int, float))
-    }
-    found = {
-        name: float(value)
-        for name, value in counted.items()
-        if name in COUNTED or name.startswith(SCATTER) or peak.fullmatch(name)
-    }
-    if "spring_dissipated_energy" in found:
-        moved = found.get("peak_retainer_force", 0.0) * found.get("peak_valve_lift", 0.0)
-        if abs(found["spring_dissipated_energy"]) < ROUNDING * moved:
-            found["spring_dissipated_energy"] = 0.0
-        found["cycle_damper_energy"] = found["spring_dissipated_energy"]
-    return found
 
 
 def train_quantities(

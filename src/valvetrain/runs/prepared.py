@@ -18,8 +18,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
-from valvetrain.quantities.limits import bound
-from valvetrain.quantities.plausible import plausible_run
+from valvetrain.quantities.limits import bound, plausible_run
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.cost import Limits, duration_text

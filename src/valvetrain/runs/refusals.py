@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
+from valvetrain.quantities.limits import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.runs.prepared import law_lift, prepare
 from valvetrain.system.problem import Problem
 

@@ -12,9 +12,8 @@ import numpy as np
 
 from valvetrain.errors import RunFailedError
 from valvetrain.integrate.contract import Keep
-from valvetrain.runs.between_speeds import run_between
 from valvetrain.runs.critical_speeds import find_critical_speeds
-from valvetrain.runs.facts import study_facts, with_facts
+from valvetrain.runs.facts import run_between, study_facts, with_facts
 from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
     Plan,

@@ -16,7 +16,7 @@ from valvetrain.cosserat.static import Equilibrium
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.plausible import plausible_rest, refuse_implausible_motion
+from valvetrain.quantities.limits import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import (
     buckling_quantities,
     estimated_rate,

@@ -18,10 +18,9 @@ from valvetrain.registry import members
 from valvetrain.session import called_case
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import shown_system
-from valvetrain.views.models import model_table
-from valvetrain.views.published import paper_table
 from valvetrain.views.rows import first_rows, headings
 from valvetrain.views.shown import ShownStudy
+from valvetrain.views.side_by_side import model_table, paper_table
 from valvetrain.views.table import Line, TextTable
 
 if TYPE_CHECKING:
@@ -94,7 +93,7 @@ class Answer(ShownStudy):
 
     def moving(self) -> Moving | None:
         """The runs in motion, the one that decides first."""
-        from valvetrain.views.motion.moving import moving_of
+        from valvetrain.views.motion.scene import moving_of
 
         return moving_of(self.study, self.facts)
 

@@ -1,13 +1,17 @@
-"""Figures of springs: gaps between coils, cam orders of surge, next to a paper."""
+"""Figures of springs: gaps between coils, cam orders of surge, next to a paper, at rest."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
-from valvetrain.findings.words import RPM, speed_text
+from valvetrain.findings.rules_rest import orders_of
+from valvetrain.findings.springs_at_rest import marks_of, states_of
+from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.uncertainty import Comparison
@@ -21,12 +25,17 @@ from valvetrain.views.style import (
     angle_title,
     degrees,
     line,
+    panels,
     styled,
     window,
 )
 
 #: Cam orders that are drawn, from the first that a valve spring answers to.
 ORDERS = range(3, 31)
+#: The steep end of a solid spring is cut above this many times the median rate.
+WALL = 4.0
+#: Axial modes whose shapes are drawn.
+MODES = 4
 #: Printed forces that make a figure worth it.
 LEAST_PRINTED = 3
 
@@ -156,3 +165,104 @@ STRENGTH = FigureSpec(
     "corrected shear by EN 13906-1; the higher above the dotted line, the larger the swing",
     strength,
 )
+
+
+def static_curves(facts: Facts) -> go.Figure | None:
+    """Force (N) and rate (N/mm) over compression (mm) of every spring, with what is marked on its curve."""
+    some = [one for one in states_of(facts.study) if one.one.curve is not None]
+    if not some or facts.study.command == "modes":
+        return None
+    fig, rates = panels((0.62, 0.38)), list[float]()
+    for one, colour in zip(some, SPEEDS * len(some), strict=False):
+        curve = one.one.curve
+        if curve is None or len(curve.compression) < 2:
+            continue
+        name, at = one.name or one.one.spring, 1e3 * curve.compression
+        fig.add_trace(line(at, curve.force, name, colour, legendgroup=name), 1, 1)
+        more = line(at, 1e-3 * curve.stiffness, name, colour, legendgroup=name, showlegend=False)
+        fig.add_trace(more, 2, 1)
+        rates += (1e-3 * curve.stiffness).tolist()
+    if not rates:
+        return None
+    top = min(max(rates), WALL * float(np.median(rates)))
+    styled(fig, "compression, mm", ("force, N", "rate, N/mm"), 430)
+    fig.update_yaxes(range=[0, 1.15 * top], row=2, col=1)
+    for place, (word, compression) in enumerate(marks_of(some[0])):
+        dash = {
+            "color": BAD if word in ("solid", "buckles") else RIGID,
+            "width": 1.2,
+            "dash": "dot",
+        }
+        fig.add_vline(1e3 * compression, line=dash)
+        fig.add_annotation(
+            x=1e3 * compression, y=0.06 + 0.1 * place, yref="y domain", text=word, showarrow=False, xanchor="right",
+            xshift=-3, font={"size": 11, "color": dash["color"]}, row=1, col=1,
+        )  # fmt: skip
+    return fig
+
+
+def surge_orders(facts: Facts) -> go.Figure | None:
+    """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm)."""
+    states = [one for one in states_of(facts.study) if one.surge is not None]
+    if not states:
+        return None
+    surges = [one.surge.value for one in states if one.surge is not None]
+    orders = orders_of(facts, surges[0])
+    first, last = (orders[0] + 4, max(orders[0] - 2, 1)) if len(orders) == 1 else orders
+    low, high = 0.8 * min(surges), 1.25 * max(surges)
+    least, most = 120 * min(surges) / first, 120 * max(surges) / last
+    fig = go.Figure()
+    for order in range(last, first + 1):
+        ends = [max(least * 0.95, 120 * low / order), min(most * 1.05, 120 * high / order)]
+        if ends[1] <= ends[0]:
+            continue
+        at = [one * order / 120 for one in ends]
+        fig.add_trace(go.Scatter(
+            x=ends, y=at, mode="lines+text", text=["", f"{order}"], textposition="middle right", name=f"cam order {order}",
+            line={"color": OTHER, "width": 1}, showlegend=False, textfont={"size": 11, "color": OTHER},
+        ))  # fmt: skip
+    for one, value, colour in zip(states, surges, SPEEDS * len(states), strict=False):
+        name = one.name or one.one.spring
+        reach = [0.95 * least, 1.05 * most]
+        fig.add_trace(line(reach, [value, value], name, colour))
+        met = [120 * value / order for order in range(last, first + 1)]
+        fig.add_trace(go.Scatter(
+            x=met, y=[value] * len(met), mode="markers", marker={"color": colour, "size": 8}, name=name,
+            showlegend=False, hovertemplate="%{x:.0f} rpm",
+        ))  # fmt: skip
+    styled(fig, "engine speed, rpm", ("frequency, Hz",), 380)
+    red = facts.red_line / RPM
+    if math.isfinite(red) and 0.95 * least < red < 1.05 * most:
+        fig.add_vline(red, line={"color": BAD, "width": 1.4, "dash": "dash"})
+    fig.update_layout(hovermode="closest")
+    return fig.update_xaxes(tickformat="d").update_yaxes(range=[low, 1.04 * high])
+
+
+def mode_shapes(facts: Facts) -> go.Figure | None:
+    """Axial displacement (largest 1) along the wire of the first axial modes of the first wire."""
+    for state in states_of(facts.study):
+        modes = state.one.modes
+        if modes is None or len(modes.coil_number) < 2:
+            continue
+        fig = go.Figure()
+        for k, (place, colour) in enumerate(
+            zip(modes.axial_modes[:MODES], SPEEDS, strict=False), 1
+        ):
+            frequency = digits_text(float(modes.natural_frequency[place]), 0, 4)
+            along = modes.shape[place, :, 2]
+            fig.add_trace(line(modes.coil_number, along, f"mode {k}, {frequency} Hz", colour))
+        return styled(fig, "coil", ("axial displacement",), 320)
+    return None
+
+
+STATIC_CURVES = FigureSpec(
+    "Force over compression",
+    "from the free length; dotted: states of the first spring",
+    static_curves,
+)
+SURGE_ORDERS = FigureSpec(
+    "Where cam orders meet the surge",
+    "cam order 1: once a cam revolution, two of the crank; dashed: red line",
+    surge_orders,
+)
+MODE_SHAPES = FigureSpec("Shapes of the axial modes", "0 to peak, the largest is 1", mode_shapes)

@@ -12,6 +12,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.findings.engine import measured as measured
+from valvetrain.parameters.summary import rpm
 from valvetrain.quantities.limits import passed_limits
 from valvetrain.solution.critical import CriticalSpeed, SpeedBracket
 from valvetrain.solution.definition import definition_of
@@ -22,7 +23,6 @@ from valvetrain.solution.static import SpringAtRest, named
 from valvetrain.solution.status import Fact, Status
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Comparison
-from valvetrain.views.text import rpm
 
 if TYPE_CHECKING:
     from valvetrain.solution.uncertainty import Uncertainty

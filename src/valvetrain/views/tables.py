@@ -9,12 +9,10 @@ from valvetrain.findings.facts import LOST, TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
-from valvetrain.views.models import model_table
-from valvetrain.views.published import published_rows
+from valvetrain.solution.status import Cause, Event
 from valvetrain.views.shown import Shown, ShownStudy
+from valvetrain.views.side_by_side import model_table, published_rows
 from valvetrain.views.table import TextTable
-from valvetrain.views.text import CAUSES
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
 SIDE_BY_SIDE, EVENTS = 8, 12
@@ -22,6 +20,18 @@ SIDE_BY_SIDE, EVENTS = 8, 12
 CONTROL = (*LOST, "float", "bounce")
 #: Unit of the size of an event -> a quantity of its kind, which gives digits and the reader's unit.
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
+#: Cause of an event -> its words.
+CAUSES: dict[str, str] = {
+    Cause.INERTIA: "inertia exceeds the spring force",
+    Cause.SURGE: "surge lowers the spring force",
+    Cause.VIBRATION: "the train vibrates",
+    Cause.COILS_STRIKE: "coils meet under surge",
+    Cause.COILS_REST: "coils come to rest on each other as the spring closes",
+    Cause.FLANK_ENDS: "the lift ends",
+    Cause.BOUNCE_ENDS: "end of a bounce",
+    Cause.REBOUND: "rebound from the seat",
+    Cause.REBOUND_IN_SURGE: "rebound with the spring force lowered by surge",
+}
 
 
 def findings(answer: Shown) -> TextTable:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from valvetrain.parameters.summary import rpm
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.views.csv_table import Table, table
-from valvetrain.views.text import rpm
+from valvetrain.views.study_files import Table, table
 
 
 def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:

@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.loading import parse_toml
 from valvetrain.parameters.overrides import split_notes
 from valvetrain.parameters.schema_blocks import is_card
@@ -19,7 +20,6 @@ from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_contact import STEEL, ContactParameters, ContactTable
 from valvetrain.parameters.schema_curves import FormulaForm, HeightForm, KnotsForm
 from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, WireBlock
-from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_pair import PairedCard
 from valvetrain.parameters.schema_types import StrictModel, Table
 from valvetrain.parameters.spring import EndCoil

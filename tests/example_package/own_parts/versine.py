@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec, after, check_derivative
 from valvetrain.errors import InputError
-from valvetrain.parameters.schema_lift import LiftModel
+from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength
 
 

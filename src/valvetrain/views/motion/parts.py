@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
+from valvetrain.parameters.summary import number
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.solution.critical import places_text
 from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import value_text as shown_text
 from valvetrain.solution.result import Solution
-from valvetrain.views.text import number
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from valvetrain.parameters.summary import rpm
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 from valvetrain.views.motion.parts import (
     Array,
@@ -26,7 +27,6 @@ from valvetrain.views.motion.parts import (
     still_frame,
 )
 from valvetrain.views.style import thinned
-from valvetrain.views.text import rpm
 
 MM = 1e3
 #: Colour of each part, readable on light and on dark paper.

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import speed_text
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
@@ -20,6 +21,7 @@ from valvetrain.solution.status import reason
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
+from valvetrain.views.figures import worst_run
 from valvetrain.views.motion.parts import (
     Array,
     Moving,
@@ -334,3 +336,20 @@ def _bytes_per_frame(run: Solution, member: Member) -> int:
         surface = 8 * run.has(run.channel_of(name, "surface_equivalent_stress"))
         found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours + surface)
     return found
+
+
+def moving_of(study: Study, facts: Facts) -> Moving | None:
+    """The moving picture of a study, the run that decides first; None where no run moves."""
+    worst = worst_run(facts)
+    moving = moving_picture(study, worst=worst)
+    if moving is None or worst is None:
+        return moving
+
+    def order(place: int) -> tuple[bool, int, bool]:
+        one = moving.variants[place]
+        here = one.engine_speed == worst.engine_speed
+        colours = sum(len(spring.colourings) for spring in one.springs)
+        return not here, -colours, one.label != worst.label
+
+    places = sorted(range(len(moving.variants)), key=order)
+    return Moving(moving.title, tuple(moving.variants[k] for k in places), moving.notes)
