@@ -6,15 +6,18 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import valvetrain as vt
 from spring_parts import GUIDED, SLENDER
+from valvetrain.findings.springs_at_rest import pair_of, states_of
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.statics import static_study
 from valvetrain.runs.train_runs import train_modes
 from valvetrain.solution.study import Study
+from valvetrain.system.build import build
 from valvetrain.views.answer import Answer
 from valvetrain.views.page import data_of, page_of
 from valvetrain.views.results import figures_of
@@ -88,14 +91,33 @@ def test_the_numbers_of_the_verdict_are_those_of_the_study():
     assert pair.fields["closed"].value == pytest.approx(sum(both))
 
 
-def test_an_order_below_the_red_line_is_the_lowest_that_meets_the_surge():
+def test_a_pair_is_one_load_whichever_models_know_its_springs():
+    outer, inner = study("pair").rest
+    mixed = replace(study("pair"), rest=(outer, replace(inner, model="finite-element")))
+    assert findings_of(mixed)[0].value == findings_of(study("pair"))[0].value
+    lifts, force, rate = pair_of(states_of(mixed)).curve()
+    at_full = np.interp(states_of(mixed)[0].lift, lifts, force)
+    assert at_full == pytest.approx(findings_of(mixed)[0].value, rel=1e-4)
+    assert np.gradient(force, lifts)[150] == pytest.approx(rate[150], rel=1e-6)
+    assert force[0] == pytest.approx(0, abs=1e-6)
+    assert "together" in Answer(mixed).headings and "together" not in Answer(study("far")).headings
+
+
+def test_the_verdict_names_the_strongest_order_in_use_of_each_spring():
+    """By the lift of the train, transformed here, among the orders that meet the surge below the red line."""
+    (member,) = build(load_case(LS)).members
+    angle = np.arange(7200) * 2 * np.pi / 7200
+    lift = 2 / 7200 * np.abs(np.fft.rfft(member.gear.mechanism.kinematics.valve_lift(angle)))
     fields = findings_of(study("modes-pair"))[0].fields
-    surge = study("modes-pair").rest[0].modes.axial_frequencies[0]
-    assert 120 * surge / int(fields["lowest"]) < 7000 < 120 * surge / (int(fields["lowest"]) - 1)
     rows = {one.label: one.cells for one in Answer(study("modes-pair")).lines}
-    assert (
-        rows[f"cam order {fields['lowest']}"][0] == f"{120 * surge / int(fields['lowest']):.0f} rpm"
-    )
+    for place, word in enumerate(("strongest", "other_order")):
+        surge = study("modes-pair").rest[place].modes.axial_frequencies[0]
+        orders = [k for k in range(1, 41) if 120 * surge / k <= 7000]
+        best = max(orders, key=lambda k: lift[k])
+        assert int(fields[word]) == best != orders[-1]
+        assert rows[f"cam order {best}"][place] == f"{120 * surge / best:.0f} rpm"
+    assert fields["lift"].value == pytest.approx(lift[int(fields["strongest"])], rel=1e-3)
+    assert "order" in findings_of(study("modes-wire"))[0].fields
 
 
 @pytest.mark.parametrize(

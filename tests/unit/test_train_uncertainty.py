@@ -5,6 +5,7 @@ where not.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ import pytest
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
 from valvetrain.runs.api import simulate
-from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS
+from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS, divided
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.uncertainty import CONSTANTS
+from valvetrain.system.build import build
 from valvetrain.views.json import study_json
 
 RPM = 2 * np.pi / 60
@@ -139,3 +141,14 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids():
         scatter = own.get(f"cycle_scatter_{row.quantity}", 0.0)
         assert row.step_part == pytest.approx(step), row.quantity
         assert row.numerical == pytest.approx(step + mesh + scatter), row.quantity
+
+
+def test_modes_that_damping_keeps_from_swinging_are_no_finer_division():
+    """Ratio 0.016 at 450 Hz leaves 60 modes below critical, 0.6 none but the first."""
+    path = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
+    for ratio, more in (("0.016", True), ("0.6", False)):
+        ratios = {f"train.springs.mydual[{place}].damping.ratio": ratio for place in (0, 1)}
+        (member,) = build(load_case(path, ratios)).members
+        finer = [divided(member, one, 1.5) for one in member.springs]
+        modes = [one.options_of(member.model.word).get("modes") for one in finer]
+        assert modes == ([60, 60] if more else [None, None])

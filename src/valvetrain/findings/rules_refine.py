@@ -31,6 +31,17 @@ class RefineFacts(Subject):
         return self.name or self.study.record.name
 
     @property
+    def speeds(self) -> str:
+        """Its engine speeds as an option of a command; empty of statics and modes."""
+        found = dict.fromkeys(row.engine_speed for row in self.study.rows if row.engine_speed)
+        texts = [speed_text(one, "") for one in found]
+        return (
+            f" --rpm '{', '.join(texts)}'"
+            if texts[1:]
+            else "".join(f" --rpm {one}" for one in texts)
+        )
+
+    @property
     def rows(self) -> list[Uncertainty]:
         """Rows with an error bar of a number that is not zero."""
         return [row for row in self.study.rows if row.value and math.isfinite(row.numerical)]
@@ -67,7 +78,7 @@ def _rough(facts: RefineFacts, low: float, high: float) -> Iterator[Hit]:
         names = list(dict.fromkeys(label_of(row.quantity) for row in rows))
         yield Hit(Amount("clash_count", len(names)), fields={
             "count": f"{len(rows)} of {len(facts.rows)} numbers", "first": names[0],
-            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "", **_moved(facts),
+            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "", "speeds": facts.speeds, **_moved(facts),
         })  # fmt: skip
 
 
@@ -88,7 +99,7 @@ def _resolved(facts: RefineFacts, moves: bool) -> Iterator[Hit]:
         small = sum(share_of(one) <= SMALL for one in facts.rows)
         yield Hit(Amount(row.quantity, row.value, row.numerical), fields={
             "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": place_of(row),
-            "small": f"{small} of {len(facts.rows)} within 1 %", **moved,
+            "small": f"{small} of {len(facts.rows)} within 1 %", "speeds": facts.speeds, **moved,
         })  # fmt: skip
 
 
@@ -129,14 +140,14 @@ def constants(facts: RefineFacts) -> Iterator[Hit]:
 RULES = (
     Rule("X101", "decides", "no error bar was found", without, mark="bad"),
     Rule("X102", "decides", "{count} are not resolved: {first}[, {more}]", unresolved, (),
-         "other meshes move them by half or more[; contact constants move {moved}]", "valvetrain compare {case}", mark="warn",
+         "other meshes move them by half or more[; contact constants move {moved}]", "valvetrain compare {case}[{speeds}]", mark="warn",
          guide="uncertainty.md"),
     Rule("X104", "decides", "{count} are rough, ± 10 to 50 %: {first}[, {more}]", rough, (),
-         "[contact constants move {moved}]", "valvetrain compare {case}", mark="warn", guide="uncertainty.md", unless=("X102",)),
-    Rule("X105", "decides", "meshes decide no number: at most ± {share}", on_constants, (),
-         "but contact constants move {moved}", "valvetrain run {case}", mark="warn", guide="uncertainty.md", unless=("X10",)),
+         "[contact constants move {moved}]", "valvetrain compare {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X102",)),
+    Rule("X105", "decides", "meshes move no number by more than {share}", on_constants, (),
+         "but contact constants move {moved}", "valvetrain run {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X10",)),
     Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "{small}",
-         "valvetrain run {case}", mark="ok", unless=("X10",)),
+         "valvetrain run {case}[{speeds}]", mark="ok", unless=("X10",)),
     Rule("X110", "warns", "not all runs ended: {said}[; {more}]", failed),
     Rule("X120", "notes", "{name}[ {place}] rests on contact {by}: {low..value}", constants, guide="uncertainty.md"),
 )  # fmt: skip

@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterator
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
-from valvetrain.findings.springs_at_rest import pair_of, states_of
+from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
 
 #: Cam orders that are named where a case states no engine speed.
 ORDERS = (12, 6)
+#: Highest cam order whose lift is compared.
+HIGHEST = 40
 #: Share by which the rate differs at full lift from that of the closed valve before both are named.
 SAME_RATE = 0.01
 #: Share by which the rate of a wire differs from that of its torsion, and shares between which its first mode is below
@@ -120,21 +122,47 @@ def speed_of(order: int, natural_frequency: float) -> float:
     return 120 * natural_frequency / order * RPM
 
 
+def lift_of(facts: Facts, order: int) -> Amount | None:
+    """Amplitude of a cam order of the lift; None where nothing lifts the springs."""
+    name = f"lift_harmonic_{order}_lift"
+    return (
+        Amount(name, facts.study.still[""][name]) if name in facts.study.still.get("", {}) else None
+    )
+
+
+def strongest(facts: Facts, natural_frequency: float, count: int = 1) -> tuple[int, ...]:
+    """The ``count`` cam orders with the largest lift that meet a ``natural_frequency`` (Hz) at a speed in use, ascending;
+    the lowest ones without a lift.
+    """
+    lowest = orders_of(facts, natural_frequency)[0]
+    orders = range(lowest, max(lowest, HIGHEST) + 1)
+    sizes = {order: one.value for order in orders if (one := lift_of(facts, order)) is not None}
+    return tuple(sorted(sorted(sizes or orders, key=lambda one: -sizes.get(one, 0.0))[:count]))
+
+
 def surges(facts: Facts) -> Iterator[Hit]:
-    """The first axial natural frequency of the first spring, both ends fixed."""
-    for one in [one for one in states_of(facts.study) if one.surge is not None][:1]:
+    """The first axial natural frequency, both ends fixed, of the spring that the strongest cam order shakes most."""
+    met = list[tuple[float, State, Amount, int]]()
+    for one in {one.one.spring: one for one in reversed(states_of(facts.study))}.values():
         if one.surge is None or one.one.modes is None or one.one.modes.attached_mass is not None:
             continue
-        frequency = one.surge.value
-        orders = orders_of(facts, frequency)
-        first, *more = (speed_text(speed_of(order, frequency), "") for order in orders)
-        fields: Fields = {
-            "order": str(orders[0]), "last": str(orders[-1]), "speed": first, "top": f"{more[0]} rpm",
-        } if more else {"lowest": str(orders[0]), "speed": f"{first} rpm", "below": speed_text(facts.study.record.top_speed)}  # fmt: skip
-        yield Hit(one.surge, None, None, {
-            **fields, "spring": one.name,
-            "next": "sweep" if math.isfinite(one.lift) else "static",
-        })  # fmt: skip
+        (order,) = strongest(facts, one.surge.value)
+        lift, rate = lift_of(facts, order), one.rate(one.one.precompression)
+        met.insert(0, (lift.value * rate.value if lift and rate else 0.0, one, one.surge, order))
+    met.sort(key=lambda one: -one[0])
+    for _, one, surge, order in met[:1]:
+        orders = orders_of(facts, surge.value)
+        first, *more = (speed_text(speed_of(k, surge.value), "") for k in orders)
+        fields: Fields = {"order": str(orders[0]), "last": str(orders[-1]), "speed": first, "top": f"{more[0]} rpm"} if more else {
+            "strongest" if lift_of(facts, order) else "lowest": str(order), "lift": lift_of(facts, order) or "",
+            "speed": speed_text(speed_of(order, surge.value)),
+        }  # fmt: skip
+        if met[1:] and not more:
+            _, other, its_surge, its_order = met[1]
+            fields = {**fields, "other": other.name, "other_value": its_surge, "other_order": str(its_order),
+                      "other_speed": speed_text(speed_of(its_order, its_surge.value))}  # fmt: skip
+        step = "sweep" if math.isfinite(one.lift) else "static"
+        yield Hit(surge, None, None, {**fields, "spring": one.name, "next": step})
 
 
 def moving_end(facts: Facts) -> Iterator[Hit]:
@@ -214,7 +242,9 @@ STATIC = (
 MODES = (
     Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),
     Rule("N102", "decides", "surge at {value}[, {spring}]", surges, SURGE,
-         "met by [cam orders {order} to {last} at {speed} to {top}][cam order {lowest} at {speed}, the lowest below {below}]",
+         "[met by cam orders {order} to {last} at {speed} to {top}][met by cam order {lowest} at {speed}]"
+         "[strongest with cam order {strongest} at {speed}, {lift} of lift]"
+         "[; {other} {other_value}: order {other_order} at {other_speed}]",
          "valvetrain {next} {case}", mark="", guide="models.md"),
     Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",

@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from valvetrain.findings.words import Amount
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.static import Array, SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
 
 #: Names of the largest lift: of a spring alone, and of a train.
@@ -73,8 +75,6 @@ class State:
         """Largest shear of the wire at a compression (m), by its section loads or else by EN 13906-1."""
         force, per_force = self.force(compression), self.one.stress_per_force
         if force is not None and self.one.stress is not None:
-            import numpy as np
-
             shear = self.one.stress.shear_at(np.array([compression]))
             return Amount("peak_shear_stress", float(shear.max()))
         if force is None or per_force is None:
@@ -90,10 +90,11 @@ class State:
 def states_of(study: Study) -> tuple[State, ...]:
     """The springs at rest of a study in its order."""
     springs = {one.spring for one in study.rest}
-    models = {one.model for one in study.rest}
+    names = [one.spring for one in study.rest]
+    several = len({one.model for one in study.rest if names.count(one.spring) > 1}) > 1
     found = []
     for one in study.rest:
-        words = ((len(springs) > 1) * one.spring, (len(models) > 1) * one.model)
+        words = ((len(springs) > 1) * one.spring, several * one.model)
         label = f"{one.spring}, {one.model}"
         values = study.still.get(label, study.still.get("", {}))
         found.append(State(one, ", ".join(filter(None, words)), values))
@@ -120,6 +121,21 @@ class Together:
         """Rate of both at a lift (m); None beyond either curve."""
         return self._sum([one.rate(one.one.precompression + valve_lift) for one in self.pair])
 
+    def curve(self) -> tuple[Array, Array, Array]:
+        """Force (N) and rate (N/m) of both over the lift (m), from the free state of the longer to the first end; a
+        spring that is not reached yet pushes with nothing.
+        """
+        known = [(one.one.precompression, one.one.curve) for one in self.pair if one.one.curve]
+        least = min(-before for before, _ in known)
+        most = min(curve.compression[-1] - before for before, curve in known)
+        lifts = np.linspace(least, most, 201)
+        shares = [
+            [np.interp(lifts + before, curve.compression, one, left=0.0) for one in (curve.force, curve.stiffness)]
+            for before, curve in known
+        ]  # fmt: skip
+        force, rate = np.sum(shares, axis=0)
+        return lifts, force, rate
+
     def _sum(self, parts: list[Amount | None]) -> Amount | None:
         known = [one for one in parts if one is not None]
         if len(known) < len(parts):
@@ -128,9 +144,8 @@ class Together:
 
 
 def pair_of(states: tuple[State, ...]) -> Together | None:
-    """The nested pair by the first model; None for other springs."""
-    mine = [one for one in states if one.one.model == states[0].one.model]
-    found = {one.one.spring: one for one in reversed(mine)}
+    """The nested pair, each spring by the first model that knows it; None for other springs."""
+    found = {one.one.spring: one for one in reversed(states)}
     if not all(name in found for name in NESTED):
         return None
     return Together((found[NESTED[0]], found[NESTED[1]]))

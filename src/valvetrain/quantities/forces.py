@@ -293,7 +293,7 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
         nearest = max(1, round(place))
         found |= {
             "nearest_lift_harmonic_order": float(nearest),
-            "nearest_lift_harmonic_lift": lift_harmonic(frame.valve_lift, nearest),
+            "nearest_lift_harmonic_lift": float(lift_harmonics(frame.valve_lift, nearest)[-1]),
         }
     first, last = int(np.ceil(SURGE_BAND[0] * place)), int(np.floor(SURGE_BAND[1] * place))
     if amplitude is not None and max(first, 1) <= last < len(amplitude):
@@ -305,12 +305,11 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     return found
 
 
-def lift_harmonic(valve_lift: Callable[[Array], Array], order: int) -> float:
-    """Amplitude (m, 0 to peak) of one cam harmonic of a lift law."""
-    count = max(4096, 16 * order)
-    return float(
-        2 * np.abs(np.fft.rfft(valve_lift(np.arange(count) * 2 * np.pi / count))[order]) / count
-    )
+def lift_harmonics(valve_lift: Callable[[Array], Array], highest: int = ORDERS) -> Array:
+    """Amplitudes (m, 0 to peak) of the cam harmonics of a lift, by order from 0 to ``highest``."""
+    count = max(4096, 16 * highest)
+    lift = valve_lift(np.arange(count) * 2 * np.pi / count)
+    return np.asarray(2 * np.abs(np.fft.rfft(lift)[: highest + 1]) / count)
 
 
 def counted_quantities(solution: Solution) -> dict[str, float]:

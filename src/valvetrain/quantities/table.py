@@ -190,6 +190,8 @@ RUNS: tuple[QuantityRow, ...] = (
     both("nearest_lift_harmonic_lift", "nearest lift harmonic, amplitude",
         "Amplitude (0 to peak) of the lift's harmonic nearest to the surge frequency.", sense=LESS, shown_unit="um", topic=SURGE,
         uses=("study", "one speed", "page")),
+    both("lift_harmonic_{n}_lift", "cam order {n} of the lift", "Amplitude (0 to peak) of cam order {n} of the lift of the spring.",
+        sense=LESS, shown_unit="um"),
     both("surge_amplitude_force", "surge amplitude",
         "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring "
         "force less its static value at the same lift. What surge takes off the force where contact opens is that of all orders at one cam "

@@ -19,6 +19,7 @@ from valvetrain.solution.display import verdict_first
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
+from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.problem import Member
 
 #: Factors on the stiffness of contacts, of coils and of the parts of a train: nobody knows it better. Those on
@@ -258,7 +259,9 @@ def damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
 
 
 def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
-    """A spring divided ``factor`` times as finely, by the options that its kind of data uses."""
+    """A spring divided ``factor`` times as finely, by the options that its kind of data uses; modes that damping keeps from
+    swinging are no finer division.
+    """
     model = member.model
     unused = model.options.card_only if spring.card is None else model.options.wire_only
     options = model.read_options(spring.options_of(model.word)).model_dump()
@@ -267,6 +270,10 @@ def divided(member: Member, spring: InstalledSpring, factor: float) -> Installed
         for key in DIVISIONS
         if key not in unused and options.get(key)
     }
+    if "modes" in finer:
+        finer["modes"] = oscillating_modes(spring, finer["modes"])
+        if finer["modes"] <= min(options["modes"], oscillating_modes(spring, options["modes"])):
+            del finer["modes"]
     return spring.with_options(model.word, **finer) if finer else spring
 
 

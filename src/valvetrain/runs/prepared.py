@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
@@ -103,6 +104,13 @@ def largest_lift(problem: Problem) -> float:
     gears = (member.gear for member in problem.members)
     lifts = [float(gear.mechanism.kinematics.maximum_lift) for gear in gears if gear is not None]
     return max(lifts) if lifts else law_lift(problem)
+
+
+def spring_lift(problem: Problem) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Lift (m) of the springs over the cam angle: of the first rigid train, or of the law that drives a spring."""
+    gears = (member.gear for member in problem.members)
+    moved = (gear.mechanism.kinematics.valve_lift for gear in gears if gear is not None)
+    return next(moved, problem.valve_lift.lift)
 
 
 def law_lift(problem: Problem) -> float:

@@ -16,6 +16,7 @@ from valvetrain.cosserat.static import Equilibrium
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.forces import lift_harmonics
 from valvetrain.quantities.limits import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import (
     buckling_quantities,
@@ -26,7 +27,7 @@ from valvetrain.quantities.statics import (
 )
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.runs.buckling import find_buckling, find_leaning, path_status
-from valvetrain.runs.prepared import largest_lift
+from valvetrain.runs.prepared import largest_lift, spring_lift
 from valvetrain.runs.stored_error_bars import belongs, load_uncertainty
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.modes import ModalResult
@@ -148,6 +149,11 @@ def static_study(
             if progress is not None:
                 share = len(found) / (len(problem.springs) * len(chosen))
                 progress(share, f"{spring.name} by {name}")
+    still = {"": next(iter(still.values()))} if len(found) == 1 else still
+    if command == "modes" and lift > 0:
+        sizes = enumerate(lift_harmonics(spring_lift(problem)))
+        of_lift = {f"lift_harmonic_{order}_lift": float(one) for order, one in sizes if order}
+        still[""] = still.get("", {}) | of_lift
     record = problem.record
     origin = collect_provenance(
         record.name,
@@ -159,7 +165,7 @@ def static_study(
         command,
         (),
         tuple(found),
-        {"": next(iter(still.values()))} if len(found) == 1 else still,
+        still,
         provenance=origin,
         wall_time=time.perf_counter() - begun,
     )

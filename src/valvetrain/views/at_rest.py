@@ -8,7 +8,7 @@ from itertools import chain
 
 from valvetrain.findings.engine import Findings, Mark
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_rest import BIND, orders_of, speed_of
+from valvetrain.findings.rules_rest import BIND, lift_of, orders_of, speed_of, strongest
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
@@ -40,7 +40,7 @@ def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     states = states_of(facts.study)[:COLUMNS]
     rows: Iterator[tuple[str, Read, str]] = _static(words, states)
     if facts.study.command == "modes":
-        rows = chain(_modes(words), _meetings(facts, states))
+        rows = chain(_modes(words), _meetings(facts, words, states))
     pair, lines = pair_of(states) if _together(facts) else None, list[Line]()
     for label, read, note in rows:
         cells = [read(one) for one in states]
@@ -131,8 +131,10 @@ def _modes(words: Words) -> Iterator[tuple[str, Read, str]]:
         yield f"axial mode {place + 1}", axial(place), "surge" if place == 0 else ""
 
 
-def _meetings(facts: Facts, states: Sequence[State]) -> Iterator[tuple[str, Read, str]]:
-    """The engine speeds at which cam orders meet the first axial mode, from the lowest order below the top speed."""
+def _meetings(
+    facts: Facts, words: Words, states: Sequence[State]
+) -> Iterator[tuple[str, Read, str]]:
+    """The engine speeds at which cam orders meet the first axial mode: of those in use the ones with the largest lift."""
 
     def read(order: int) -> Read:
         def cell(one: State) -> str:
@@ -141,14 +143,18 @@ def _meetings(facts: Facts, states: Sequence[State]) -> Iterator[tuple[str, Read
         return cell
 
     first = min((one.surge.value for one in states if one.surge), default=math.nan)
-    orders = orders_of(facts, first) if math.isfinite(first) else ()
-    step = (orders[1] - orders[0]) // 3 if len(orders) > 1 else 1
-    for k in range(MODES) if orders else ():
-        yield (
-            f"cam order {orders[0] + k * step}",
-            read(orders[0] + k * step),
-            "" if k else "meets axial mode 1",
-        )
+    for order in _orders(facts, first) if math.isfinite(first) else ():
+        lift = lift_of(facts, order)
+        size = "" if lift is None else f", {words.amount(lift)} of lift"
+        yield f"cam order {order}", read(order), f"meets axial mode 1{size}"
+
+
+def _orders(facts: Facts, natural_frequency: float) -> tuple[int, ...]:
+    """Cam orders that are rows: a few that meet a ``natural_frequency`` (Hz)."""
+    first, *last = orders_of(facts, natural_frequency)
+    return (
+        tuple(range(first, last[0] - 1, -2)) if last else strongest(facts, natural_frequency, MODES)
+    )
 
 
 # -- tables ----------------------------------------------------------------------------------------

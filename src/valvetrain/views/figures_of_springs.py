@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
-from valvetrain.findings.rules_rest import orders_of
-from valvetrain.findings.springs_at_rest import marks_of, states_of
+from valvetrain.findings.rules_rest import lift_of, orders_of, strongest
+from valvetrain.findings.springs_at_rest import State, Together, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.definition import definition_of, label_of
@@ -34,6 +34,8 @@ from valvetrain.views.style import (
 ORDERS = range(3, 31)
 #: The steep end of a solid spring is cut above this many times the median rate.
 WALL = 4.0
+#: Share by which surge frequencies differ whose cam orders are both labelled.
+APART = 0.02
 #: Axial modes whose shapes are drawn.
 MODES = 4
 #: Printed forces that make a figure worth it.
@@ -168,51 +170,75 @@ STRENGTH = FigureSpec(
 
 
 def static_curves(facts: Facts) -> go.Figure | None:
-    """Force (N) and rate (N/mm) over compression (mm) of every spring, with what is marked on its curve."""
+    """Force (N) and rate (N/mm) over compression (mm) of every spring, of a pair over the lift (mm) and with both
+    together, with what is marked on the curve of the first.
+    """
     some = [one for one in states_of(facts.study) if one.one.curve is not None]
     if not some or facts.study.command == "modes":
         return None
-    fig, rates = panels((0.62, 0.38)), list[float]()
-    for one, colour in zip(some, SPEEDS * len(some), strict=False):
-        curve = one.one.curve
-        if curve is None or len(curve.compression) < 2:
-            continue
-        name, at = one.name or one.one.spring, 1e3 * curve.compression
-        fig.add_trace(line(at, curve.force, name, colour, legendgroup=name), 1, 1)
-        more = line(at, 1e-3 * curve.stiffness, name, colour, legendgroup=name, showlegend=False)
-        fig.add_trace(more, 2, 1)
-        rates += (1e-3 * curve.stiffness).tolist()
-    if not rates:
+    pair = pair_of(tuple(some))
+    curves = [
+        (one.name or one.one.spring, one.one.curve.compression - _zero(one, pair), one.one.curve.force, one.one.curve.stiffness)
+        for one in some
+        if one.one.curve is not None and len(one.one.curve.compression) > 1
+    ]  # fmt: skip
+    if not curves:
         return None
-    top = min(max(rates), WALL * float(np.median(rates)))
-    styled(fig, "compression, mm", ("force, N", "rate, N/mm"), 430)
+    if pair is not None:
+        curves.insert(0, (pair.name, *pair.curve()))
+    fig, rates = panels((0.62, 0.38)), np.concatenate([1e-3 * rate for *_, rate in curves])
+    for (name, at, force, rate), colour in zip(curves, SPEEDS * len(curves), strict=False):
+        fig.add_trace(line(1e3 * at, force, name, colour, legendgroup=name), 1, 1)
+        more = line(1e3 * at, 1e-3 * rate, name, colour, legendgroup=name, showlegend=False)
+        fig.add_trace(more, 2, 1)
+    top = min(float(rates.max()), WALL * float(np.median(rates)))
+    title = "compression, mm" if pair is None else "lift, mm"
+    styled(fig, title, ("force, N", "rate, N/mm"), 430)
     fig.update_yaxes(range=[0, 1.15 * top], row=2, col=1)
-    for place, (word, compression) in enumerate(marks_of(some[0])):
+    marked = some[0] if pair is None else min(pair.pair, key=_least_room)
+    for place, (word, compression) in enumerate(marks_of(marked)):
         dash = {
             "color": BAD if word in ("solid", "buckles") else RIGID,
             "width": 1.2,
             "dash": "dot",
         }
-        fig.add_vline(1e3 * compression, line=dash)
+        here = 1e3 * (compression - _zero(marked, pair))
+        fig.add_vline(here, line=dash)
         fig.add_annotation(
-            x=1e3 * compression, y=0.06 + 0.1 * place, yref="y domain", text=word, showarrow=False, xanchor="right",
+            x=here, y=0.06 + 0.1 * place, yref="y domain", text=word, showarrow=False, xanchor="right",
             xshift=-3, font={"size": 11, "color": dash["color"]}, row=1, col=1,
         )  # fmt: skip
     return fig
 
 
+def _zero(one: State, pair: Together | None) -> float:
+    """Compression (m) of a spring at the zero of the axis: of a pair as installed, else none."""
+    return 0.0 if pair is None else one.one.precompression
+
+
+def _least_room(one: State) -> float:
+    """What a spring has left to coil bind (m); infinite where it is not known."""
+    return one.left.value if one.left else math.inf
+
+
 def surge_orders(facts: Facts) -> go.Figure | None:
-    """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm)."""
+    """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm), and how much of the lift (µm)
+    each of them has there.
+    """
     states = [one for one in states_of(facts.study) if one.surge is not None]
     if not states:
         return None
     surges = [one.surge.value for one in states if one.surge is not None]
-    orders = orders_of(facts, surges[0])
-    first, last = (orders[0] + 4, max(orders[0] - 2, 1)) if len(orders) == 1 else orders
+    first, *more = orders_of(facts, min(surges))
+    last = more[0] if more else max(first - 2, 1)
+    best = [order for one in surges for order in strongest(facts, one)]
+    first = first if more else max(first + 4, *best)
     low, high = 0.8 * min(surges), 1.25 * max(surges)
     least, most = 120 * min(surges) / first, 120 * max(surges) / last
-    fig = go.Figure()
-    for order in range(last, first + 1):
+    orders = {order: lift_of(facts, order) for order in range(last, first + 1)}
+    lifts = {order: 1e6 * one.value for order, one in orders.items() if one is not None}
+    fig = panels((0.62, 0.38) if lifts else (1.0,))
+    for order in orders:
         ends = [max(least * 0.95, 120 * low / order), min(most * 1.05, 120 * high / order)]
         if ends[1] <= ends[0]:
             continue
@@ -224,18 +250,36 @@ def surge_orders(facts: Facts) -> go.Figure | None:
     for one, value, colour in zip(states, surges, SPEEDS * len(states), strict=False):
         name = one.name or one.one.spring
         reach = [0.95 * least, 1.05 * most]
-        fig.add_trace(line(reach, [value, value], name, colour))
-        met = [120 * value / order for order in range(last, first + 1)]
-        fig.add_trace(go.Scatter(
-            x=met, y=[value] * len(met), mode="markers", marker={"color": colour, "size": 8}, name=name,
-            showlegend=False, hovertemplate="%{x:.0f} rpm",
-        ))  # fmt: skip
-    styled(fig, "engine speed, rpm", ("frequency, Hz",), 380)
+        fig.add_trace(line(reach, [value, value], name, colour), 1, 1)
+        met = [120 * value / order for order in orders]
+        far = value == surges[0] or abs(value / surges[0] - 1) > APART
+        marks = {
+            "mode": "markers",
+            "name": name,
+            "showlegend": False,
+            "hovertemplate": "%{x:.0f} rpm",
+        }
+        fig.add_trace(
+            go.Scatter(x=met, y=[value] * len(met), marker={"color": colour, "size": 8}, **marks),
+            1,
+            1,
+        )
+        for speed, order in zip(met, orders, strict=True) if lifts else ():
+            size = lifts[order]
+            fig.add_trace(go.Scatter(
+                x=[speed, speed], y=[0.0, size], mode="lines+markers+text", text=["", f"{order}" * far], textposition="top center", name=name,
+                line={"color": colour, "width": 2}, marker={"size": [0, 6]}, showlegend=False, textfont={"size": 11, "color": colour},
+            ), 2, 1)  # fmt: skip
+    titles = ("frequency, Hz", "lift of the order, µm")
+    styled(fig, "engine speed, rpm", titles[: 1 + bool(lifts)], 430)
     red = facts.red_line / RPM
     if math.isfinite(red) and 0.95 * least < red < 1.05 * most:
         fig.add_vline(red, line={"color": BAD, "width": 1.4, "dash": "dash"})
     fig.update_layout(hovermode="closest")
-    return fig.update_xaxes(tickformat="d").update_yaxes(range=[low, 1.04 * high])
+    fig.update_yaxes(range=[low, 1.04 * high], row=1, col=1)
+    if lifts:
+        fig.update_yaxes(range=[0.0, 1.25 * max(lifts.values())], row=2, col=1)
+    return fig.update_xaxes(tickformat="d")
 
 
 def mode_shapes(facts: Facts) -> go.Figure | None:
@@ -256,13 +300,13 @@ def mode_shapes(facts: Facts) -> go.Figure | None:
 
 
 STATIC_CURVES = FigureSpec(
-    "Force over compression",
-    "from the free length; dotted: states of the first spring",
+    "Force at rest",
+    "from the free length, of a pair from the closed valve; dotted: states of the spring that binds first",
     static_curves,
 )
 SURGE_ORDERS = FigureSpec(
     "Where cam orders meet the surge",
-    "cam order 1: once a cam revolution, two of the crank; dashed: red line",
+    "cam order 1: once a cam revolution, two of the crank; below how much of the lift has the order, 0 to peak; dashed: red line",
     surge_orders,
 )
 MODE_SHAPES = FigureSpec("Shapes of the axial modes", "0 to peak, the largest is 1", mode_shapes)
