@@ -92,7 +92,7 @@ def test_the_moving_mass_of_a_card_is_that_of_its_active_turns():
     assert spring.card.mass == pytest.approx(7850 * math.pi**2 * d**2 * mean * turns / 4, rel=0.01)
 
 
-@pytest.mark.parametrize("words", [(), ("--cards",)], ids=["wire", "cards"])
+@pytest.mark.parametrize("words", [(), ("--red-line", "6000 rpm")], ids=["wire", "cards"])
 @pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
 def test_every_spring_of_a_template_is_damped_and_new_says_by_how_much(
     kind, words, tmp_path, monkeypatch
@@ -104,14 +104,6 @@ def test_every_spring_of_a_template_is_damped_and_new_says_by_how_much(
         assert all(one.damping.ratio or one.damping.mass_damping for one in springs)
     damping = case.train.spring_parts()[0].damping
     assert f"damped by {damping.ratio:g} of critical at {damping.ratio_frequency:g} Hz" in printed
-
-
-def test_new_writes_them_and_says_where_a_spring_alone_goes(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert call("new", "bike", "--kind", "direct", "--cards").exit_code == 0
-    assert "rocker ratio" in (tmp_path / "bike.toml").read_text()
-    refused = call("new", "alone", "--cards")
-    assert refused.exit_code == 2 and "spring-card" in refused.output
 
 
 def test_two_springs_run_in_the_engine_under_their_own_names():

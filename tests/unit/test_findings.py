@@ -116,6 +116,16 @@ def test_a_lash_that_recuts_the_cam_is_said():
     assert "A114" in findings_of(recut).codes and "A114" not in findings_of(plain).codes
 
 
+def test_values_that_a_file_calls_assumed_are_named_with_the_masses_first():
+    plain = study("ls-5000")
+    names = ("cam", "lash", "lever", "pivot", "height", "angle", "valve mass")
+    ours = replace(plain, record=replace(plain.record, assumed=names))
+    paper = replace(plain, record=replace(ours.record, study="gu2021"))
+    (hit,) = findings_of(ours).by("A117")
+    assert hit.remark.index("valve mass") < hit.remark.index("cam")
+    assert "A117" not in findings_of(plain).codes + findings_of(paper).codes
+
+
 def test_parts_of_a_lobe_are_those_of_its_lift():
     facts = Facts(study("ls-5000"))
     (run,) = facts.runs

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import shlex
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from valvetrain.cli.options import JsonOption, QuietOption, asks
+from valvetrain.cli.options import JsonOption, QuietOption, asking, asks
 from valvetrain.errors import InputError
+from valvetrain.parameters.card_case import QUESTIONS, TRAINS, card_case_text, flag, questions_of
 from valvetrain.parameters.templates import KINDS, template_kind, template_text
 
 #: Kind of request -> what its file asks of a case.
@@ -26,7 +29,11 @@ COMMANDS = {"lash": "study"}
 
 def register_new(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("new")(new)
+    asked = {
+        name: (flag(name), one.follows, f"{one.meaning[0].upper()}{one.meaning[1:]}.")
+        for name, one in QUESTIONS.items()
+    }
+    app.command("new")(asking(new, asked))
 
 
 def new(
@@ -43,14 +50,17 @@ def new(
             f"or with --case: {', '.join(f'{word} ({meaning})' for word, meaning in REQUESTS.items())}.",
         ),
     ] = "spring",
-    cards: Annotated[
-        bool, typer.Option("--cards", help="Cam and springs by their cards, a dual spring too.")
-    ] = False,
     case: Annotated[str, asks("--case", "CASE", "The case that a study is about.")] = "",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
+    *,
+    answers: dict[str, str],
 ) -> None:
-    """Write NAME.toml, a commented case, or a study of --case, that runs without changes."""
+    """Write NAME.toml, a commented case, or a study of --case, that runs without changes.
+
+    An engine is written from what you have of it: spring card, cam card, masses, red line, as options or, at a terminal,
+    one question after another. What you leave open is assumed, and every answer says so.
+    """
     from valvetrain.cli.outcome import Outcome, deliver
 
     if kind in REQUESTS:
@@ -63,30 +73,57 @@ def new(
         )
     else:
         kind = template_kind(kind)
-        path = write_template(name, kind, cards)
-        label = f"{path}: {KINDS[kind]}\n  {_damping(path)}\n  next: valvetrain check {shlex.quote(str(path))}"
+        if not (answers or as_json or quiet) and kind in TRAINS and sys.stdin.isatty():
+            answers = _asked(kind)
+        path = write_template(name, kind, answers)
+        following = (
+            f"sweep {shlex.quote(str(path))}" if answers else f"check {shlex.quote(str(path))}"
+        )
+        label = f"{path}: {KINDS[kind]}\n  {_assumptions(path)}\n  next: valvetrain {following}"
     data = {"command": "new", "kind": kind, "files": [str(path)]}
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 
-def _damping(path: Path) -> str:
-    """Sentence on the spring damping of a template, which neither cards nor drawings give."""
+def _asked(kind: str) -> dict[str, str]:
+    """Answers to the questions of a kind of train, typed one by one; what was left open is not among them."""
+    typer.echo("Enter takes the value in brackets, Ctrl-D all that are left.", err=True)
+    answers: dict[str, str] = {}
+    for word, one, default in questions_of(kind):
+        if word in ("open_load", "open_height") and "rate" in answers:
+            continue
+        try:
+            typed = input(f"{word.replace('_', ' ')}, {one.meaning} [{default or 'none'}]: ")
+        except EOFError:
+            break
+        if typed.strip():
+            answers[word] = typed
+    return answers
+
+
+def _assumptions(path: Path) -> str:
+    """Sentence on the spring damping of a template, which neither cards nor drawings give, and on values assumed."""
     from valvetrain.parameters.loading import load_case
 
     case = load_case(path)
     spring = (case.springs if case.train is None else case.train.spring_parts())[0]
     ratio, hertz = spring.damping.ratio, spring.damping.ratio_frequency
-    return f"its spring is damped by {ratio:g} of critical at {hertz:g} Hz, an assumption until you measure it"
+    damped = f"its spring is damped by {ratio:g} of critical at {hertz:g} Hz, an assumption until you measure it"
+    assumed = ", ".join(case.record().assumed)
+    return f"{damped}\n  assumed: {assumed}" if assumed else damped
 
 
-def write_template(name: str, kind: str, cards: bool = False) -> Path:
-    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
-    ``.toml``, by ``cards`` on request; returns its path.
+def write_template(name: str, kind: str, answers: Mapping[str, str]) -> Path:
+    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending ``.toml``, an engine with
+    the ``answers`` of its cards; returns its path.
 
-    Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
-    there.
+    Raises :class:`InputError` for an unknown kind, a name that no file may bear, a file that is there, or an answer that cannot be.
     """
-    return _written(name, template_text(kind, cards))
+    if answers and kind not in TRAINS:
+        raise InputError(
+            f"{flag(next(iter(answers)))} is of an engine; give --kind {', '.join(TRAINS)}, or 'valvetrain spring-card' for a spring alone",
+            "--kind",
+        )
+    return _written(name, card_case_text(kind, answers) if answers else template_text(kind))
 
 
 def write_request(name: str, kind: str, case: str) -> Path:

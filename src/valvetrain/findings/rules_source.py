@@ -69,12 +69,23 @@ def angles(facts: Facts) -> Iterator[Hit]:
         yield Hit(facts.nose(run), fields={"zero": facts.study.record.zero_of_angle})
 
 
+def assumed(facts: Facts) -> Iterator[Hit]:
+    """The file of a case of one's own calls values assumed: loads, masses and damping, which decide, are named first."""
+    record = facts.study.record
+    names = sorted(record.assumed, key=lambda name: not name.endswith(FIRST))
+    if names and not record.study:
+        more = str(len(names) - MOST) if len(names) > MOST else ""
+        yield Hit(fields={"values": ", ".join(names[:MOST]), "more": more})
+
+
 def recut(facts: Facts) -> Iterator[Hit]:
     """The lash by which a cam is cut was changed, and with it the cam."""
     if LASH in facts.study.record.changed:
         yield Hit()
 
 
+#: Most assumed values that are named, and how those end that are named first.
+MOST, FIRST = 6, ("load", "rate", "mass", "damping", "duration")
 #: Key path of the lash for which a card makes the ramp of its lobe.
 LASH = "lift_law.lash"
 RECUT = "another lift_law.lash is another cam, whose ramp is cut for it: train.lash alone moves the clearance"
@@ -88,6 +99,8 @@ ASSUMED = (
          rests_on("other-solid-height", read=_heights), ("coil_bind_clearance",), "the stated height counts", guide="how-to/05-coil-bind.md"),
     Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} of the cam)", rests_on("assumed-ramp", read=_ramp),
          SEAT, step="measure your ramp: ramp_velocity, ramp_lift", remark="assumed ramp"),
+    Rule("A117", "notes", "the file assumes: {values}[ and {more} more]", assumed,
+         step="measure what decides: valvetrain study --parts {case}", remark="assumed {values}[ and {more} more]"),
     Rule("A102", "notes", "contacts at {places} have usual steel values", rests_on("default-contacts", read=_places),
          remark="default contacts"),
     Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),

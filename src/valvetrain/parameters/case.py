@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
@@ -353,4 +354,14 @@ class Case:
             red_line=self.operation.red_line,
             top_speed=self.operation.top_speed,
             digest=self.digest,
+            assumed=tuple(
+                _called(key) for key, note in self.notes.items() if note.status == "assumed"
+            ),
         )
+
+
+def _called(key: str) -> str:
+    """What a value is called by the last two parts of its key: ``train.springs.card.0.mass`` is the spring mass."""
+    key = re.sub(r"train\.springs\.[^.]+\.\d+|spring\.\d+", "spring", key)
+    parts = [part for part in key.split(".") if part not in ("train", "lift_law", "operation")]
+    return " ".join(parts[-2:]).replace("_", " ") or key.replace("_", " ")

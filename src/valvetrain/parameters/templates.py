@@ -45,24 +45,18 @@ def template_text(kind: str, cards: bool = False) -> str:
     """The commented case of ``kind`` (a key of :data:`KINDS`), with ``NAME.toml`` for its
     file; a name in use such as "bucket" is understood; with ``cards`` its cam and springs by their cards, a dual spring among them.
 
-    Raises :class:`InputError` for an unknown kind, and for the card of a spring alone.
+    Raises :class:`InputError` for an unknown kind.
 
     >>> "[spring]" in template_text("spring")
     True
     """
     kind = template_kind(kind)
     text = _text(kind)
-    if not cards:
+    if not cards or kind == "spring":
         return text
     if kind == "pushrod":  # which is by cards already
         return text.replace(
             "# Another set, known", f"{_text('cards/dual').lstrip()}\n# Another set, known", 1
-        )
-    if kind not in CARDS:
-        raise InputError(
-            "the card of a spring alone is taken by 'valvetrain spring-card'; --cards writes an engine: give --kind direct, finger, "
-            "rocker or pushrod",
-            "--cards",
         )
     head, rest = text.split(_LAW, 1)
     middle = rest[rest.index(_SPEEDS) :].split(_CONTACTS, 1)[0]

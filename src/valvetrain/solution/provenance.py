@@ -147,6 +147,7 @@ class CaseRecord:
     ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
     where the case gives them. ``red_line`` (rad/s of the crank): the highest speed in use. ``top_speed``: that,
     else the highest engine speed that the case names, else 0. ``digest``: short fingerprint of what the case says.
+    ``assumed``: what is called assumed in the file, such as "valve mass".
     """
 
     name: str
@@ -163,3 +164,4 @@ class CaseRecord:
     digest: str = ""
     red_line: float | None = None
     top_speed: float = 0.0
+    assumed: tuple[str, ...] = ()

@@ -1,0 +1,198 @@
+"""The case of an engine from what a person has of it: spring card, cam card, weighed masses and red line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import reduce
+from operator import getitem
+from typing import Any
+
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_case, parse_toml
+from valvetrain.parameters.overrides import split_notes
+from valvetrain.parameters.templates import CARDS, template_text
+from valvetrain.parameters.toml_text import find_line, inline
+from valvetrain.parameters.train_names import TITLES
+from valvetrain.units import parse_quantities, parse_quantity
+
+TRAINS = (*CARDS, "pushrod")
+SPRING = "train.springs.card.0"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A value of a card: its ``key`` in the case, what ``follows`` its option, what it means, its ``default`` where the
+    template has none, and the kinds of train that have it.
+    """
+
+    key: str
+    follows: str
+    meaning: str
+    default: str = ""
+    kinds: tuple[str, ...] = TRAINS
+
+    @property
+    def path(self) -> tuple[str | int, ...]:
+        """Keys and places that lead to it."""
+        return tuple(int(part) if part.isdecimal() else part for part in self.key.split("."))
+
+
+_PUSHROD = ("pushrod",)
+#: Answer -> its question, in the order in which a person has them.
+QUESTIONS: dict[str, Question] = {
+    "seat_load": Question(f"{SPRING}.preload", "FORCE", "spring force with the valve closed"),
+    "height": Question(f"{SPRING}.installed_height", "LENGTH", "height of the spring with the valve closed"),
+    "rate": Question(f"{SPRING}.rate", "RATE", "spring rate; or open load and open height"),
+    "open_load": Question(f"{SPRING}.open_load", "FORCE", "spring force at the open height"),
+    "open_height": Question(f"{SPRING}.open_height", "LENGTH", "height of the spring at the open load"),
+    "coil_bind": Question(f"{SPRING}.solid_height", "LENGTH", "height at which the coils close"),
+    "wire": Question(f"{SPRING}.wire_diameter", "LENGTH", "wire diameter, for the moving mass of the spring"),
+    "outer_diameter": Question(f"{SPRING}.outer_diameter", "LENGTH", "outer diameter of the spring, for its moving mass"),
+    "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire", "50 g"),
+    "lift": Question("lift_law.valve_lift", "LENGTH", "valve lift at zero lash", "0.565 in"),
+    "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
+    "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm", "0.050 in"),
+    "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
+    "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
+    "ratio": Question("lift_law.rocker_ratio", "RATIO", "rocker ratio", kinds=_PUSHROD),
+    "lash": Question("lift_law.lash", "LENGTH", "lash at the valve; 0 with hydraulic lifters"),
+    "valve_mass": Question("train.valve.mass", "MASS", "valve, retainer and locks: '110 g + 25 g + 10 g'"),
+    "lifter_mass": Question("train.follower.mass", "MASS", "lifter, or bucket with shim", kinds=("direct", "pushrod")),
+    "pushrod_length": Question("train.pushrod.length", "LENGTH", "pushrod, between its balls", kinds=_PUSHROD),
+    "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
+    "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
+    "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
+}  # fmt: skip
+#: Tables of a template that no card gives.
+_NO_CARD = ("train.cam", "train.lever", f"{SPRING}.damping")
+#: Answers of which one takes the place of others, or goes with them: those of another part would contradict it.
+_SPRING_CARD = tuple(QUESTIONS)[:9]
+_NEEDED = ("seat_load", "height")
+
+
+def flag(name: str) -> str:
+    """The option of an answer."""
+    return f"--{name.replace('_', '-')}"
+
+
+def questions_of(kind: str) -> Iterator[tuple[str, Question, str]]:
+    """Name, question and default of everything that is asked of a ``kind`` of train; an empty default leaves a value out."""
+    tree = split_notes(parse_toml(template_text(kind, kind in CARDS), kind))[0]
+    for name, one in QUESTIONS.items():
+        if kind in one.kinds:
+            yield name, one, str(_at(tree, one.path) or one.default)
+
+
+def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> str:
+    """The commented case of a ``kind`` of train with the ``answers`` by name; values that were not answered have the status
+    "assumed".
+
+    Raises :class:`InputError` for an answer that cannot be, that contradicts another, or that needs another.
+    """
+    given = {name: str(value).strip() for name, value in answers.items() if str(value).strip()}
+    asked = {name: (one, default) for name, one, default in questions_of(kind)}
+    for name in given:
+        if name not in asked:
+            raise InputError(
+                f"{TITLES[kind]} has no {name.replace('_', ' ')}; leave it out", flag(name)
+            )
+    _complete(given)
+    text = template_text(kind, kind in CARDS)
+    for name in _left_out(given):
+        text = _written(text, QUESTIONS[name].path, None)
+    lobe = ("lift_law", "lobe_lift")
+    if lift := _held(text, lobe):
+        text = _written(text, lobe, None if "lift" in given else _assumed(lift))
+    for name, (one, _) in asked.items():
+        if name not in given:
+            if value := _held(text, one.path):
+                text = _written(text, one.path, _assumed(value))
+            continue
+        value, parts = given[name], given[name].split("+")
+        if len(parts) > 1:
+            kilograms = sum(parse_quantity(part, "mass", flag(name)) for part in parts)
+            value = f"{kilograms * 1e3:.6g} g"
+        text = _written(text, one.path, value, given[name] if len(parts) > 1 else "")
+    if not given.keys() & {"spring_mass", "wire"} and given.keys() & set(_SPRING_CARD):
+        mass = _held(text, QUESTIONS["spring_mass"].path) or QUESTIONS["spring_mass"].default
+        text = _written(text, QUESTIONS["spring_mass"].path, _assumed(mass))
+    for table in _NO_CARD:
+        if _at(parse_toml(text, "case"), Question(table, "", "").path):
+            text = _written(text, (*Question(table, "", "").path, "status"), "assumed")
+    if "red_line" in given:
+        (top,) = parse_quantities(given["red_line"], "angular speed", flag("red_line"))
+        speeds = f"{top * 15 / 3.141592653589793:.0f}, {top * 30 / 3.141592653589793:.0f} rpm"
+        text = _written(text, ("operation", "engine_speeds"), speeds)
+    if title:
+        text = _written(text, ("title",), title)
+    _checked(text)
+    return text
+
+
+def _complete(given: Mapping[str, str]) -> None:
+    """Refuse a part of a spring card, whose rest would be that of another spring."""
+    if not given.keys() & set(_SPRING_CARD):
+        return
+    loads = [] if "rate" in given else ["open_load", "open_height"]
+    for name in (*_NEEDED, *loads):
+        if name not in given:
+            rest = "" if name in _NEEDED else f", or {flag('rate')} in place of both open ones"
+            raise InputError(
+                f"the spring card lacks it: {QUESTIONS[name].meaning}; add it{rest}", flag(name)
+            )
+    if ("wire" in given) != ("outer_diameter" in given):
+        lacks = "outer_diameter" if "wire" in given else "wire"
+        raise InputError("the moving mass of the spring takes wire and outer diameter; add it", flag(lacks))  # fmt: skip
+
+
+def _left_out(given: Mapping[str, str]) -> Iterator[str]:
+    """Values of the template that belong to another spring or cam than the one ``given``."""
+    if given.keys() & set(_SPRING_CARD):
+        yield from (name for name in ("open_load", "open_height", "coil_bind") if name not in given)
+        if "wire" in given:
+            yield "spring_mass"
+        else:
+            yield from ("wire", "outer_diameter")
+    if given.keys() & {"lift", "duration"} and "advertised" not in given:
+        yield "advertised"
+
+
+def _checked(text: str) -> None:
+    """Read the case; an error is told at the option of the answer."""
+    try:
+        parse_case(text, where="the case")
+    except InputError as error:
+        key = next((n for n, one in QUESTIONS.items() if one.key in error.where), "")
+        raise InputError(error.reason, flag(key) if key else error.where) from None
+
+
+def _at(tree: Any, path: tuple[str | int, ...]) -> Any:
+    try:
+        return reduce(getitem, path, tree)
+    except (LookupError, TypeError):
+        return None
+
+
+def _held(text: str, path: tuple[str | int, ...]) -> str:
+    return str(_at(split_notes(parse_toml(text, "case"))[0], path) or "")
+
+
+def _assumed(value: str) -> dict[str, str]:
+    return {"value": value, "status": "assumed"}
+
+
+def _written(text: str, path: tuple[str | int, ...], value: Any, comment: str = "") -> str:
+    """The text of a template with the value at ``path`` on its line, and a comment where it has one; None removes the line."""
+    lines, there = text.splitlines(True), _at(parse_toml(text, "case"), path) is not None
+    line = find_line(text, path)
+    if value is None:
+        return "".join([*lines[: line - 1], *lines[line:]]) if there and line else text
+    made = f"{path[-1]} = {inline(value)}{f' # {comment}' if comment else ''}"
+    if there and line:  # a comment on the number that was there stays with an assumed one alone
+        old = re.search(r"\s#[^\"]*$", lines[line - 1]) if isinstance(value, dict) else None
+        lines[line - 1] = made + (old.group() if old else "\n")
+    else:
+        lines.insert(line or 0, f"{made}\n")
+    return "".join(lines)

@@ -1,0 +1,104 @@
+"""A case from what a person has: every answer arrives in the case, what was left open is called assumed, and a part of a
+card, a wrong unit or a value that another contradicts is refused at its option.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import sys
+
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call, sentence
+from valvetrain.parameters.card_case import QUESTIONS, TRAINS, card_case_text, questions_of
+from valvetrain.parameters.loading import parse_case
+
+SPRING = {"seat_load": "76 lbf", "height": "1.80 in", "rate": "300 lbf/in"}
+LBF, INCH = 4.4482216152605, 25.4e-3
+
+
+@pytest.mark.parametrize("kind", TRAINS)
+def test_answers_arrive_and_the_rest_is_assumed(kind):
+    answers = SPRING | {
+        "lift": "0.472 in",
+        "valve_mass": "100 g + 20 g + 5 g",
+        "red_line": "6000 rpm",
+    }
+    case = parse_case(card_case_text(kind, answers))
+    (spring,) = case.train.spring_parts()
+    assert spring.card.preload == pytest.approx(76 * LBF)
+    assert spring.card.rate == pytest.approx(300 * LBF / INCH)
+    assert spring.card.solid_height is None  # that of the template is another spring's
+    assert case.train.valve.mass == pytest.approx(0.125)
+    assert case.operation.red_line == pytest.approx(200 * math.pi)
+    assert max(case.operation.engine_speeds) == pytest.approx(200 * math.pi, rel=1e-3)
+    assumed = case.record().assumed
+    assert {"spring mass", "spring damping", "duration"} <= set(assumed)
+    assert not {"valve mass", "spring preload", "valve lift"} & set(assumed)
+    run = vt.Case(case).run("3000 rpm", "massless")
+    assert run.quantities["peak_valve_lift"] == pytest.approx(0.472 * INCH, rel=0.05)
+
+
+@pytest.mark.parametrize("kind", TRAINS)
+def test_a_case_with_every_answer_assumes_no_card_and_each_question_has_a_value(kind):
+    answers = {name: default for name, _, default in questions_of(kind) if default}
+    answers |= {"spring_mass": "60 g"} if "wire" not in answers else {}
+    if "wire" in answers:
+        answers.pop("spring_mass", None)
+    named = set(parse_case(card_case_text(kind, answers)).record().assumed)
+    assert named <= {"cam", "lever", "spring damping"}
+    assert all(one.meaning and one.follows for one in QUESTIONS.values())
+
+
+@pytest.mark.parametrize(
+    ("answers", "option"),
+    [
+        ({"seat_load": "76 lbf"}, "--height"),
+        ({"seat_load": "76 lbf", "height": "1.8 in", "open_load": "220 lbf"}, "--open-height"),
+        (SPRING | {"wire": "4 mm"}, "--outer-diameter"),
+        (SPRING | {"seat_load": "76"}, "--seat-load"),
+        (SPRING | {"coil_bind": "2 in"}, "--coil-bind"),
+        ({"valve_mass": "100 g + 2 mm"}, "--valve-mass"),
+        ({"red_line": "6000"}, "--red-line"),
+        ({"lift": "-1 mm"}, "--lift"),
+        ({"duration": "230 mm"}, "--duration"),
+    ],
+)
+def test_a_wrong_answer_is_refused_at_its_option(answers, option, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = [
+        part for name, value in answers.items() for part in (f"--{name.replace('_', '-')}", value)
+    ]
+    made = call("new", "mine", "--kind", "pushrod", *words)
+    assert made.exit_code == 2 and sentence(made).startswith(f"error: {option}")
+    assert not (tmp_path / "mine.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [(("--kind", "direct", "--ratio", "1.6"), "--ratio"), (("--lift", "9 mm"), "--kind")],
+)
+def test_an_answer_that_a_kind_does_not_have(words, option, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert sentence(call("new", "mine", *words)).startswith(f"error: {option}")
+
+
+def test_a_terminal_is_asked_and_enter_takes_what_is_in_brackets(tmp_path, monkeypatch):
+    from valvetrain.explore import new_command
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr(
+        sys, "stdin", Terminal("\n".join(["76 lbf", "1.8 in", "300 lbf/in", "1.1 in"]))
+    )
+    answers = new_command._asked("pushrod")  # open load and height go with no rate
+    assert answers == {
+        "seat_load": "76 lbf",
+        "height": "1.8 in",
+        "rate": "300 lbf/in",
+        "coil_bind": "1.1 in",
+    }
