@@ -16,7 +16,6 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import (
     NEAR_GAP,
     SLIDING_VELOCITY,
-    end_channels,
     rod_channels,
 )
 
@@ -41,7 +40,7 @@ def run():
         60,
         rod.dynamics,
     )
-    return rod, stroke, rod_channels(rod, stroke, 100.0), end_channels(rod, stroke, 100.0)
+    return rod, stroke, rod_channels(rod, stroke, 100.0), rod_channels(rod, stroke, 100.0, False)
 
 
 def measured_gaps(coil_number, position, upper):

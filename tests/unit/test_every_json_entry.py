@@ -236,9 +236,9 @@ def test_closed_turns_are_counted_by_their_share_of_the_wire():
     (rod, _) = at_rest()
     force = np.zeros_like(rod.curve.coil_contact_force)
     force[10:, :3] = 5.0  # three of thirteen pairs half a turn apart
-    assert static_table(rod, replace(rod.curve, coil_contact_force=force))["closed turns"][
-        [9, 10]
-    ].tolist() == [0.0, 1.5]
+    table = static_table(rod, replace(rod.curve, coil_contact_force=force))
+    turns = [float(row["closed turns"]) for row in csv.DictReader(table.splitlines())]
+    assert turns[9:11] == [0.0, 1.5]
 
 
 def test_a_sweep_in_its_files(written):

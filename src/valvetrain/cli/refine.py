@@ -94,8 +94,8 @@ def _saved_outcome(
     }  # fmt: skip
 
     def write(folder: Path) -> list[Path]:
-        table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
-        return [table, write_text(folder / "levels.csv", levels_table(study).csv())]
+        table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows))
+        return [table, write_text(folder / "levels.csv", levels_table(study))]
 
     choices = {
         "engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds],

@@ -18,7 +18,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.springs.contract import WATCH_SHARE
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.springs.finite_element_channels import end_channels, rod_channels
+from valvetrain.springs.finite_element_channels import rod_channels
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
@@ -112,7 +112,7 @@ class RodLeapfrog:
             made, retried = whole()
         if retried:
             model = replace(model, time_step=made.time_step)
-        channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
+        channels = rod_channels(model, made, cam_speed, options.keep == "all")
         _, unit, label = SPRING_CHANNELS["retainer_acceleration"]
         acceleration = system.displacement(made.time, cam_speed, 2)
         channels = channels.assign(

@@ -57,14 +57,6 @@ def content(item: Any, exact: bool = True) -> bytes:
     return b"\0".join(_parts(item, exact))
 
 
-def content_digest(case: Any) -> str:
-    """16 hexadecimal digits of all that can change a number of a case, to 12 digits of its values;
-    names of the case and of its parts take no part.
-    """
-    values = tuple(getattr(case, one.name) for one in fields(case) if one.name not in _TEXTS)
-    return hashlib.sha256(content(values, exact=False)).hexdigest()[:16]
-
-
 def _parts(item: Any, exact: bool) -> Iterator[bytes]:
     if isinstance(item, (bool, str, bytes, Enum, type(None))):
         yield repr(item).encode()
@@ -300,8 +292,11 @@ class Case:
 
     @property
     def digest(self) -> str:
-        """Short fingerprint of what the case says, whatever text and units said so."""
-        return content_digest(self)
+        """16 hexadecimal digits of all that can change a number of the case, to 12 digits of its values, whatever text
+        and units said so; names of the case and of its parts take no part.
+        """
+        values = tuple(getattr(self, one.name) for one in fields(self) if one.name not in _TEXTS)
+        return hashlib.sha256(content(values, exact=False)).hexdigest()[:16]
 
     def cite(self) -> tuple[str, ...]:
         """Keys of the references (valvetrain/references.bib) this case draws on, in order of first

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.quantities.cycle import Cycle, is_closed
+from valvetrain.quantities.cycle import is_closed
 from valvetrain.solution.force_peak import FILTER_ORDER
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
@@ -140,12 +140,6 @@ def window_bounds(event: LiftEvent, window: Window) -> tuple[float, float]:
         WINDOWS[1]: (event.start, event.end),
         WINDOWS[2]: (event.end, _TURN),
     }[window]
-
-
-def is_covered(cycle: Cycle, event: LiftEvent, window: Window) -> bool:
-    """Whether the cycle covers a window with three samples or more."""
-    bounds = window_bounds(event, window)
-    return int(np.sum(cycle.window(*bounds))) > 2 and cycle.covers(*bounds)
 
 
 Index = NDArray[np.int64]

@@ -21,7 +21,6 @@ from valvetrain.quantities.signal import (
     filtered_force,
     fine_filtered,
     fine_series,
-    is_covered,
     window_bounds,
 )
 from valvetrain.solution.definition import pattern_of
@@ -97,9 +96,13 @@ class Reader:
         return self.found
 
     def _covers(self, reading: Reading) -> bool:
+        """Whether the cycle has the window of a reading, with three samples or more."""
         if reading.window is None:
             return self.cycle.whole or reading.kind == "difference"
-        return self.event is not None and is_covered(self.cycle, self.event, reading.window)
+        if self.event is None:
+            return False
+        bounds = window_bounds(self.event, reading.window)
+        return int(np.sum(self.cycle.window(*bounds))) > 2 and self.cycle.covers(*bounds)
 
     def _take(self, reading: Reading) -> Numbers:
         if reading.kind in MORE_KINDS:

@@ -81,19 +81,12 @@ def static_section_loads(model: RodModel, states: Sequence[RodState]) -> dict[st
     return {name: strains[name] @ at.T for name in SECTION_LOADS}
 
 
-def rod_channels(model: RodModel, run: RodTransient, cam_speed: float) -> ChannelArrays:
-    """All channels of docs/architecture.md for a rod run; cam angle is cam_speed (rad/s) times
-    time.
+def rod_channels(
+    model: RodModel, run: RodTransient, cam_speed: float, whole: bool = True
+) -> ChannelArrays:
+    """All channels of docs/architecture.md for a rod run, or what a sweep needs: end forces and contacts without
+    sections and energies; cam angle is cam_speed (rad/s) times time.
     """
-    return _channels(model, run, cam_speed, True)
-
-
-def end_channels(model: RodModel, run: RodTransient, cam_speed: float) -> ChannelArrays:
-    """End forces and contacts of a rod run, without sections and energies: what a sweep needs."""
-    return _channels(model, run, cam_speed, False)
-
-
-def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool) -> ChannelArrays:
     mesh, installed = model.mesh, model.installed.state
     coil = wire_points(model.definition.total_coils)
     height, speed = run.position[..., 2], run.velocity[..., 2]

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from valvetrain.findings.engine import Findings
+from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.table import findings_of
+from valvetrain.findings.table import rules
 from valvetrain.findings.words import Words, speed_text
 from valvetrain.registry import members
 from valvetrain.session import called_case
@@ -49,7 +49,7 @@ class Answer(ShownStudy):
     @cached_property
     def findings(self) -> Findings:
         """All findings, the verdict first."""
-        return findings_of(self.study, self.words)
+        return judge(self.facts, rules(self.facts.kinds), self.words)
 
     @property
     def title(self) -> str:

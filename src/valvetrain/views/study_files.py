@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.parameters.summary import in_unit, rpm
@@ -31,49 +31,15 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
-    """A named column with its unit (as shown), floats or words."""
-
-    name: str
-    unit: str
-    values: NDArray[Any]
-
-    @property
-    def header(self) -> str:
-        """Name and unit, as a reader sees them."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+def csv_of(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Rows of plain values under their heads as CSV text."""
+    return "".join(",".join(map(quoted, row)) + "\n" for row in (heads, *rows))
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """Columns of equal length; raises :class:`InputError` for columns that differ in length."""
-
-    columns: tuple[Column, ...]
-
-    def __post_init__(self) -> None:
-        if len({len(column.values) for column in self.columns}) > 1:
-            raise InputError(
-                f"the columns {[column.name for column in self.columns]} of a table differ in length"
-            )
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return next(column.values for column in self.columns if column.name == name)
-
-    def rows(self) -> Iterable[tuple[Any, ...]]:
-        """Row by row, as plain Python values."""
-        return zip(*(column.values.tolist() for column in self.columns), strict=True)
-
-    def csv(self) -> str:
-        """The table as CSV text with units in its header."""
-        lines = [",".join(quoted(column.header) for column in self.columns)]
-        lines += [",".join(quoted(value) for value in row) for row in self.rows()]
-        return "\n".join(lines) + "\n"
-
-
-def table(*columns: tuple[str, str, Sequence[Any] | NDArray[Any]]) -> Table:
-    """A table from (name, unit, values) triples."""
-    return Table(tuple(Column(name, unit, np.asarray(values)) for name, unit, values in columns))
+def by_columns(columns: Mapping[str, ArrayLike]) -> str:
+    """Columns of equal length by their heads as CSV text."""
+    values = (np.asarray(column).tolist() for column in columns.values())
+    return csv_of(columns, zip(*values, strict=True))
 
 
 def quoted(value: Any) -> str:
@@ -90,8 +56,8 @@ def quoted(value: Any) -> str:
     return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text
 
 
-def comparison_table(rows: Sequence[Comparison]) -> Table:
-    """All rows as a table in the units shown, for ``comparison.csv``."""
+def comparison_table(rows: Sequence[Comparison]) -> str:
+    """All rows in the units shown, for ``comparison.csv``."""
     plain = {
         "quantity": "quantity", "engine speed": "engine_speed", "given by": "origin", "given": "published", "computed by": "model",
         "computed": "computed", "blind": "blind", "difference": "difference", "unit": "unit",
@@ -110,12 +76,8 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
             one if one is None else in_unit(one, row.unit)
             for one, row in zip(cells[name], rows, strict=True)
         ]
-    return table(
-        *(
-            (name, "rpm" if name == "engine speed" else "", np.array(values, dtype=object))
-            for name, values in cells.items()
-        )
-    )
+    heads = (f"{name} [rpm]" if name == "engine speed" else name for name in cells)
+    return csv_of(heads, zip(*cells.values(), strict=True))
 
 
 #: Wire points of the CSV files, in turns; the NetCDF files hold every one.
@@ -193,15 +155,22 @@ def write_parts(
         if one.curve is not None:
             stem = names.free(f"static-{whose}")
             write(f"{stem}.nc", partial(save_netcdf, one.curve))
-            write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve).csv()))  # fmt: skip
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve)))  # fmt: skip
         if one.modes is not None:
             stem = names.free(f"modes-{whose}")
             write(f"{stem}.nc", partial(save_netcdf, one.modes))
-            write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes).csv()))  # fmt: skip
-    for name, build in _tables(study, names).items():
-        content = gaps.part(f"table '{name}'", None, build)
-        if content is not None and content.columns[0].values.size:
-            write(f"{name}.csv", lambda path, content=content: write_text(path, content.csv()))
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes)))  # fmt: skip
+    tables: dict[str, Callable[[], str]] = {
+        "quantities": partial(quantity_table, study),
+        "events": partial(event_table, study),
+        "comparison": partial(comparison_table, study.comparisons),
+    }
+    for label in study.labels if study.over_speed else ():
+        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
+    for name, build in tables.items():
+        content = gaps.part(f"table '{name}'", "", build)
+        if content.count("\n") > 1:
+            write(f"{name}.csv", lambda path, content=content: write_text(path, content))
     written: Path | None = None
     pictures: tuple[Path, ...] = ()
     if page:
@@ -215,19 +184,6 @@ def write_parts(
         (*data, *pictures, *((written,) if written else ())),
     )
     return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
-
-
-def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
-    """Tables of numbers by the name of their file."""
-    tables: dict[str, Callable[[], Table]] = {
-        "quantities": partial(quantity_table, study),
-        "events": partial(event_table, study),
-    }
-    if study.comparisons:
-        tables["comparison"] = partial(comparison_table, study.comparisons)
-    for label in study.labels if study.over_speed else ():
-        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
-    return tables
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:
@@ -249,46 +205,42 @@ def at_wire_points(solution: Solution, spacing: float) -> Solution:
     return replace(solution, channels=solution.arrays.at(places)) if places else solution
 
 
-def static_table(rest: SpringAtRest, curve: StaticCurve) -> Table:
+def static_table(rest: SpringAtRest, curve: StaticCurve) -> str:
     """``compression`` (mm), ``force`` (N), ``stiffness`` (N/mm), ``closed turns`` (turns of wire lying on the turn
     below); ``height`` (mm), ``nominal shear`` by EN 13906-1 and ``wire shear`` (MPa), each where it is known.
     """
     pairs = curve.coil_gap.shape[1]
     span = float(np.ptp(curve.upper_coil)) / max(pairs - 1, 1) if pairs else 0.0
     closed = np.sum(curve.coil_contact_force > 0, axis=1) * span
-    columns = [
-        ("compression", "mm", curve.compression * 1e3),
-        ("force", "N", np.asarray(curve.force)),
-        ("stiffness", "N/mm", curve.stiffness * 1e-3),
-        ("closed turns", "", closed.astype(float)),
-    ]
+    columns = {
+        "compression [mm]": curve.compression * 1e3, "force [N]": curve.force, "stiffness [N/mm]": curve.stiffness * 1e-3,
+        "closed turns": closed.astype(float),
+    }  # fmt: skip
     installed, per_force = rest.installed, rest.stress_per_force
     if installed is not None and installed.height is not None:
         free = installed.height + installed.compression
-        columns.append(("height", "mm", (free - curve.compression) * 1e3))
+        columns["height [mm]"] = (free - curve.compression) * 1e3
     if per_force is not None:
-        columns.append(("nominal shear", "MPa", per_force * curve.force * 1e-6))
+        columns["nominal shear [MPa]"] = per_force * curve.force * 1e-6
     if rest.stress is not None:
         along = rest.stress.shear_at(curve.compression).max(axis=1) * (curve.force > 0)
-        columns.append(("wire shear", "MPa", along * 1e-6))
-    return table(*columns)
+        columns["wire shear [MPa]"] = along * 1e-6
+    return by_columns(columns)
 
 
-def frequency_table(result: ModalResult) -> Table:
+def frequency_table(result: ModalResult) -> str:
     """``natural frequency`` (Hz), ``transmission`` (size of the axial force-transmission residue,
     largest 1) and ``axial`` of all modes.
     """
     residue = np.abs(np.asarray(result.axial_transmission, dtype=float))
     axial = np.isin(np.arange(len(residue)), result.axial_modes)
     share = residue / max(float(residue.max(initial=0.0)), 1e-300)
-    return table(
-        ("natural frequency", "Hz", np.asarray(result.natural_frequency)),
-        ("transmission", "", share),
-        ("axial", "", axial),
+    return by_columns(
+        {"natural frequency [Hz]": result.natural_frequency, "transmission": share, "axial": axial}
     )
 
 
-def quantity_table(study: Study) -> Table:
+def quantity_table(study: Study) -> str:
     """Every named number: ``label``, ``engine speed`` (rpm; empty where none applies), ``quantity``,
     ``value`` and ``unit`` in SI, and both as terminal and page show them (speeds in rpm, angles in deg).
     """
@@ -300,18 +252,18 @@ def quantity_table(study: Study) -> Table:
         for key, value in study.quantities.items()
     ]  # fmt: skip
     heads = (
-        ("label", ""), ("engine speed", "rpm"), ("quantity", ""), ("value", "SI"), ("unit", ""), ("shown value", ""), ("shown unit", ""),
-    )  # fmt: skip
-    return _by_row(heads, rows)
+        "label",
+        "engine speed [rpm]",
+        "quantity",
+        "value [SI]",
+        "unit",
+        "shown value",
+        "shown unit",
+    )
+    return csv_of(heads, rows)
 
 
-def _by_row(heads: Sequence[tuple[str, str]], rows: Sequence[tuple[Any, ...]]) -> Table:
-    """A table of rows, under names with units."""
-    cells = [np.array([row[place] for row in rows], dtype=object) for place in range(len(heads))]
-    return table(*((*head, column) for head, column in zip(heads, cells, strict=True)))
-
-
-def event_table(study: Study) -> Table:
+def event_table(study: Study) -> str:
     """Every event of every run, details included where they are given."""
     rows = [
         (
@@ -332,20 +284,22 @@ def event_table(study: Study) -> Table:
         for run in study.solutions
         for event in run.events
     ]
-    names = (
-        ("label", ""), ("engine speed", "rpm"), ("event", ""), ("place", ""), ("cam angle", "deg"), ("duration", "ms"), ("size", ""),
-        ("unit", ""), ("lower coil", ""), ("upper coil", ""), ("impulse", "N s"), ("energy", "J"), ("cause", ""),
+    heads = (
+        "label", "engine speed [rpm]", "event", "place", "cam angle [deg]", "duration [ms]", "size", "unit", "lower coil",
+        "upper coil", "impulse [N s]", "energy [J]", "cause",
     )  # fmt: skip
-    return _by_row(names, rows)
+    return csv_of(heads, rows)
 
 
-def sweep_table(study: Study, label: str) -> Table:
+def sweep_table(study: Study, label: str) -> str:
     """All quantities of one label over the engine speed in the units shown."""
     runs = study.runs(label)
     names = dict.fromkeys(name for run in runs for name in run.quantities)
-    columns = [("engine speed", "rpm", np.array([rpm(run.engine_speed) for run in runs]))]
-    columns.append(("status", "", np.array([run.status.code for run in runs], dtype=object)))
+    columns: dict[str, ArrayLike] = {
+        "engine speed [rpm]": [rpm(run.engine_speed) for run in runs],
+        "status": [run.status.code for run in runs],
+    }
     for name in names:
         values, unit = shown(name, study.series(label, name)[1])
-        columns.append((label_of(name), unit, values))
-    return table(*columns)
+        columns[f"{label_of(name)} [{unit}]" if unit else label_of(name)] = values
+    return by_columns(columns)

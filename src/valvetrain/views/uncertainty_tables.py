@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from numpy.typing import ArrayLike
+
 from valvetrain.parameters.summary import rpm
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.views.study_files import Table, table
+from valvetrain.views.study_files import by_columns
 
 
-def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
+def uncertainty_table(rows: Sequence[Uncertainty]) -> str:
     """All rows in SI for ``uncertainty.csv``; speed in rpm of the crank, nan for statics and modes."""
     numbers = {
         "value": [row.value for row in rows], "numerical uncertainty": [row.numerical for row in rows],
@@ -24,19 +26,13 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
     }  # fmt: skip
     speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
     units = [Quantity(row.quantity).unit for row in rows]
-    variant = (
-        (("variant", "", [row.label for row in rows]),) if any(row.label for row in rows) else ()
-    )
-    head = (
-        ("quantity", "", [row.quantity for row in rows]),
-        *variant,
-        ("engine speed", "rpm", speeds),
-        ("unit", "", units),
-    )
-    return table(*head, *((name, "", values) for name, values in numbers.items()))
+    names: dict[str, ArrayLike] = {"quantity": [row.quantity for row in rows]}
+    if any(row.label for row in rows):
+        names["variant"] = [row.label for row in rows]
+    return by_columns({**names, "engine speed [rpm]": speeds, "unit": units, **numbers})
 
 
-def levels_table(study: UncertaintyStudy) -> Table:
+def levels_table(study: UncertaintyStudy) -> str:
     """Every number (SI) of every run behind the error bars for ``levels.csv``, as
     :func:`uncertainty_table`.
     """
@@ -48,10 +44,7 @@ def levels_table(study: UncertaintyStudy) -> Table:
     ]
     speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
     names = [name for _, _, name, _ in found]
-    return table(
-        ("level", "", [level for level, _, _, _ in found]),
-        ("engine speed", "rpm", speeds),
-        ("quantity", "", names),
-        ("unit", "", [Quantity(name).unit for name in names]),
-        ("value", "", [value for _, _, _, value in found]),
-    )
+    return by_columns({
+        "level": [level for level, _, _, _ in found], "engine speed [rpm]": speeds, "quantity": names,
+        "unit": [Quantity(name).unit for name in names], "value": [value for _, _, _, value in found],
+    })  # fmt: skip
