@@ -153,10 +153,6 @@ class Trial:
         """Its end in a word."""
         return self.measured.code if self.failure else "feasible" if self.feasible else "infeasible"
 
-    def beats(self, other: Trial) -> bool:
-        """Whether it is no worse in any objective, and better in one (both feasible)."""
-        return bool(np.all(self.costs <= other.costs) and np.any(self.costs < other.costs))
-
 
 def best_of(trials: Sequence[Trial]) -> Trial | None:
     """The first of the feasible trials by their rank; None where there is none."""

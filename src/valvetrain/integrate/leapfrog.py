@@ -36,8 +36,6 @@ SAMPLES, MAX_CYCLES, TOLERANCE = 720, 40, 1e-3
 MAX_RECORD = 400e6
 #: Most steps of a revolution whose forces are stored, and that are computed at a time.
 MAX_FINE = 2**20
-#: Forces (N) beyond any spring's: the run has diverged.
-MAX_FORCE = 1e7
 
 
 @dataclass(frozen=True)

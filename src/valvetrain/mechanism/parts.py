@@ -207,27 +207,9 @@ class MaxwellLink:
         return np.array([self.branch_stiffness * displacement])
 
 
-class Mechanism(Protocol):
-    """A train without its spring: what moves, what touches what, and its rigid kinematics."""
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]: ...
-
-    @property
-    def interactions(self) -> tuple[Interaction, ...]: ...
-
-    @property
-    def tables(self) -> Mapping[str, Array]: ...
-
-    @property
-    def valve(self) -> str:
-        """Name of the coordinate that carries the retainer; its value is the valve lift (m)."""
-        ...
-
-
 @dataclass(frozen=True)
 class AssembledMechanism:
-    """The plain :class:`Mechanism` that every builder returns.
+    """A train without its spring, as every builder returns it: what moves and what touches what.
 
     ``tables``: name -> (nodes, 3) value and first two derivatives over the cam angle. ``retainer``:
     coordinate that carries the spring retainer, ``valve``: coordinate whose value is called valve

@@ -50,8 +50,6 @@ from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 
-#: The model whose error bars ship with no case.
-SOLID = "solid"
 #: Time of the search for critical speeds, and of the further runs for error bars, over that of the runs themselves.
 SEARCH_SHARE, BAR_SHARE = 1.0, 2.25
 

@@ -47,8 +47,6 @@ STOPPED = Status(
 WORKER_LOST = Status("worker-lost", LOST, remedy=LOST_REMEDY)
 #: Speeds of a block of a sweep, and share of a speed up to which the next one starts from its motion.
 BLOCK, CLOSE = 5, 0.05
-#: State of modes -> label in tables.
-STATES = {"closed": "valve closed", "full_lift": "full lift"}
 
 
 def member_statics(problem: Problem, member: Member) -> Rest:

@@ -434,16 +434,6 @@ def worker_count(workers: int | None) -> int:
     return int(workers)
 
 
-@contextmanager
-def on_this_machine() -> Iterator[None]:
-    """What is computed in the block stays here, also where a cluster is in use."""
-    token = CLUSTER.set(None)
-    try:
-        yield
-    finally:
-        CLUSTER.reset(token)
-
-
 def workers_here(workers: int) -> int:
     """Those of ``workers`` that take memory of this machine: none where a cluster is in use."""
     return workers if CLUSTER.get() is None else 0

@@ -15,8 +15,6 @@ Range = tuple[float, float]
 MIN_ORDER = 0.5
 
 
-#: What stands in place of an error bar that is larger than its value.
-NOT_RESOLVED = "not resolved"
 #: Constants whose ranges a number is computed over.
 CONSTANTS = ("contact stiffness", "damping")
 #: Kinds of quantities that these constants move by more than 5 %: raw peaks, blows of coils and at the seat.

@@ -17,12 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.channels import Variable
-from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
 
-#: Channels that :func:`with_stress` adds -> words; all in Pa over sample and wire_point.
+#: Channels of stress in the wire -> words; all in Pa over sample and wire_point.
 STRESS_CHANNELS: Mapping[str, str] = {
     "inner_fibre_shear_stress": "shear stress at the inner fibre, positive under compression of the spring",
     "outer_fibre_shear_stress": "shear stress at the outer fibre, positive under compression of the spring",
@@ -173,37 +171,3 @@ def _free_turns(wire: SpringDefinition) -> tuple[Array, Array]:
     """Wire and mean diameter (m) along the free turns, (NOMINAL_SAMPLES,) each."""
     coil = np.linspace(*wire.free_coils, NOMINAL_SAMPLES)
     return wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
-
-
-def with_stress(
-    solution: Solution, definition: SpringDefinition, curvature: str | None = DEFAULT_FACTOR
-) -> Solution:
-    """The solution with the channels of :data:`STRESS_CHANNELS`; what it has stays, an earlier
-    stress replaced.
-
-    Raises :class:`InputError` for a model that gives no section loads, or an unknown factor.
-    """
-    if not solution.has(*LOADS):
-        raise InputError(
-            f"a {solution.model or 'nameless'} run holds no section loads of the wire; run reduced-rod or finite-element"
-        )
-    coil = solution.arrays.coords["coil_number"].values
-    values = wire_stress(
-        {name: solution.channel(name) for name in LOADS}, definition, coil, curvature
-    )
-    factor = curvature or "none"
-    added = {
-        name: Variable(
-            ("sample", "wire_point"),
-            array,
-            {"units": "Pa", "long_name": STRESS_CHANNELS[name], "curvature_factor": factor},
-        )
-        for name, array in values.items()
-    }
-    return Solution(
-        solution.arrays.assign(added),
-        solution.events,
-        solution.status,
-        solution.statistics,
-        solution.provenance,
-    )
