@@ -12,7 +12,7 @@ import pytest
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
 from valvetrain import registry
-from valvetrain.parameters import schema_contact, schema_installed, schema_lift
+from valvetrain.parameters import lift_law, schema_contact, schema_installed
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
 from valvetrain.parameters.material import Material
@@ -26,7 +26,7 @@ TABLES = {
     "spring": schema_installed.WireBlock, "card": schema_installed.CardBlock, "end": EndCoil,
     "material": Material, "spring.damping": DampingParameters, "guide": Guide,
     "spring.contact": schema_installed.CoilContactModel, "rubbing": Rubbing, "operation": Operation,
-    "lift_law": schema_lift.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
+    "lift_law": lift_law.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
 }  # fmt: skip
 TABLES |= {f"options.{word}": options_table(word) for word in registry.BUILT_IN["springs"]}
 TABLES |= {f"train.{name}": table for name, table in PARTS.items()}
@@ -130,7 +130,7 @@ def numbers_of_keys() -> dict[str, Any]:
         f"{name}.{key}": field
         for name, table in TABLES.items()
         for key, field in table.model_fields.items()
-        if not (name in registry.BUILT_IN["lifts"] and key in schema_lift.LiftModel.model_fields)
+        if not (name in registry.BUILT_IN["lifts"] and key in lift_law.LiftModel.model_fields)
     }
     takers = {}
     for key, field in every.items():
