@@ -14,6 +14,7 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.explore.outputs import Run
+from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.status import with_code
@@ -37,7 +38,7 @@ CARD = (
 
 def test_wires_run_by_their_reduced_rod_and_cards_by_modes():
     case = parse_case(TRAIN, "case")
-    assert case.train.why_chain() == ""
+    assert case.train.why_no_rod() == ""
     labels = [
         build(case, spring_set=chosen).members[0].model.word for chosen in ("", "stock", "stiff")
     ]
@@ -47,19 +48,21 @@ def test_wires_run_by_their_reduced_rod_and_cards_by_modes():
 
 
 @pytest.mark.parametrize(
-    ("text", "reason"),
+    ("text", "reason", "model"),
     [
-        (TRAIN.replace(HEIGHT, f'{HEIGHT}\nend_contact = "lifting"'), "the ends of spring 'spring' lift"),
-        (TRAIN.replace("# Another set", f"{CARD}\n# Another set"), "spring 'inner' is known by its card only"),
-        (RUBBING.replace("# Another set", f"{INNER}\n# Another set"), "springs 'outer' and 'inner' rub on one another"),
+        (TRAIN.replace(HEIGHT, f'{HEIGHT}\nend_contact = "lifting"'), "the ends of spring 'spring' lift", "multi-mass"),
+        (TRAIN.replace("# Another set", f"{CARD}\n# Another set"), "spring 'inner' is known by its card only", "modal-uniform"),
+        (RUBBING.replace("# Another set", f"{INNER}\n# Another set"), "springs 'outer' and 'inner' rub on one another", "multi-mass"),
     ],
     ids=["lifting", "a card beside the wire", "rubbing"],
 )  # fmt: skip
-def test_a_set_that_no_reduced_rod_knows_runs_by_the_chain_and_says_why(text, reason):
+def test_a_set_that_no_reduced_rod_knows_runs_by_another_model_and_says_why(text, reason, model):
     study = vt.simulate(parse_case(text, "case"), "2000 rpm", workers=1)
-    assert [run.label for run in study.solutions] == ["multi-mass"]
+    assert [run.label for run in study.solutions] == [model]
     (fact,) = with_code(study.facts, "not-the-default")
-    assert fact.fields == {"model": "multi-mass", "reason": reason}
+    assert fact.fields == {"model": model, "reason": reason}
+    (found,) = findings_of(study).by("A117")
+    assert found.fields["model"] == model
 
 
 def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_refused(monkeypatch):

@@ -92,7 +92,7 @@ def running_up(last: str) -> Study:
         ("C110", "ls-7300", "ls-5000"), ("C120", "calm", "flies"), ("V101", "ls-limit", "ls-6600"),
         ("V102", "ls-6600", "calm"), ("L101", "calm", "flies"), ("P101", "piston-hit", "piston-near"),
         ("P102", "piston-near", "piston-far"), ("B102", "ls-close", "ls-5000"), ("K101", "clash", "slow"),
-        ("K102", "wire-short", "wire"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
+        ("K102", "wire-short", "wire"), ("K105", "wire", "wire-short"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
         ("K110", "clash", "slow"), ("K120", "slow", "no-coils"), ("K121", "slow", "clash"), ("E101", "lifts", "no-coils"),
         ("S101", "wire-weak", "wire-strong"), ("G101", "ls-6600", "ls-5000"), ("G102", "ls-5000", "ls-6600"), ("R100", "still", "calm"),
         ("R101", "ls-solid", "ls-close"),
@@ -234,7 +234,7 @@ def test_a_comparison_gives_the_range_over_models_and_which_one_decides():
         "spring": "M105",
     }
     assert (
-        found["calm"].verdict.fields["lead"] == "multi-mass"
+        found["calm"].verdict.fields["lead"] == "modal-uniform"
         and found["calm"].verdict.fields["count"] == "2"
     )
     held = [
@@ -345,7 +345,7 @@ def test_a_number_has_the_digits_of_its_bar(value, bar, text):
 def test_a_number_that_is_not_resolved_stays_out_of_brackets():
     force = Amount("peak_spring_force", 1900.0, 1000.0)
     assert Words().fill("clash[ of {size}]", {"size": force}) == "clash"
-    assert Words(brief=True).amount(force) == "not resolved"
+    assert "not resolved" in Words().amount(force) and "900" in Words(brief=True).amount(force)
     assert Words().said(Phrase("{model}: {said}", {"model": "rod", "said": "floats"})) == "rod: floats"  # fmt: skip
 
 

@@ -22,9 +22,10 @@ from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.solution.uncertainty import OF_CONTACT
 from valvetrain.system.contract import TRAIN
 
-#: Spring models by how much of the wire they know, the least first.
+#: Spring models by how much of the wire they know, the least first; of those that know the same, the last is the one
+#: that a run takes, so that run, sweep and comparison judge by one model.
 TRUST = (
-    "massless", "modal-uniform", "modal-varied", "multi-mass", "wave-rod", "wave-rod-clash", "reduced-rod",
+    "massless", "multi-mass", "wave-rod", "modal-uniform", "modal-varied", "wave-rod-clash", "reduced-rod",
     "finite-element", "solid",
 )  # fmt: skip
 #: Ends of runs whose numbers count: the motion ended, or does not repeat.
@@ -192,6 +193,13 @@ class Facts:
     def control(self, label: str) -> Control:
         """What a search found of a label."""
         return control_of(self.study, label)
+
+    def curve(self, label: str) -> tuple[tuple[float, float, float], ...]:
+        """Engine speed (rad/s), least cam force (N) and surge (N) of all runs of a label, those of the search among them."""
+        return next(
+            (row.curve for row in self.study.critical_speeds if row.label == label and row.curve),
+            (),
+        )
 
     @cached_property
     def first_label(self) -> str:

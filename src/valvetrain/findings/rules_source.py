@@ -49,6 +49,10 @@ def _spring(fact: Fact) -> Fields:
     return {"spring": str(fact.fields["spring"])}
 
 
+def _default(fact: Fact) -> Fields:
+    return {"model": str(fact.fields["model"]), "reason": str(fact.fields["reason"])}
+
+
 def _heights(fact: Fact) -> Fields:
     both = {one: Amount("solid_height", float(fact.fields[one])) for one in ("stated", "computed")}
     return {**_spring(fact), **both}
@@ -114,7 +118,9 @@ ASSUMED = (
     Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", read=_spring),
          ("coil_bind_clearance",), remark="{spring} not checked"),
     Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
-         rests_on("chain-of-wire", "not-the-default"), remark="a chain for the wire (estimates)"),
+         rests_on("chain-of-wire"), remark="a chain for the wire (estimates)"),
+    Rule("A117", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_default),
+         remark="{model} since {reason}", guide="models.md"),
     Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
          step="fit the wire: valvetrain spring-card", remark="a wire assumed from the card"),
     Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",

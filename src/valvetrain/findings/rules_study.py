@@ -7,7 +7,15 @@ from collections.abc import Iterator, Sequence
 
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import BARELY, BOUNCE, CONTACT, FLOAT, cause, rigid_force
+from valvetrain.findings.rules_train import (
+    BARELY,
+    BOUNCE,
+    CONTACT,
+    FLOAT,
+    LIMIT,
+    cause,
+    rigid_force,
+)
 from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
@@ -93,11 +101,15 @@ def missing(facts: Facts) -> Iterator[Hit]:
 # -- models ----------------------------------------------------------------------------------------
 
 
-def _loses(facts: Facts, run: Solution) -> str:
-    if not facts.losses(run):
-        return ""
-    flies = run.quantities.get("float_excess_lift", 0.0) > FLOAT
-    return "floats" if flies else "loses contact"
+def _says(facts: Facts, run: Solution) -> Phrase | None:
+    """What a model says of control; None where it computes no contact."""
+    left = facts.amount(run, CONTACT[0])
+    if facts.losses(run):
+        flies = run.quantities.get("float_excess_lift", 0.0) > FLOAT
+        gap = facts.amount(run, "loft_gap") or ""
+        does = "floats" if flies else "loses contact[, {gap} open]"
+        return Phrase(f"{{model}} {does}", {"model": run.model, "gap": gap})
+    return Phrase("{model} leaves {left}", {"model": run.model, "left": left}) if left else None
 
 
 def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
@@ -110,13 +122,11 @@ def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
 def disagree(facts: Facts) -> Iterator[Hit]:
     """Some models lose contact at one speed and some do not; a massless spring, which knows no surge, has no vote."""
     held, lost = _votes(facts)
-    amounts = [(facts.amount(run, CONTACT[0]), run.model) for run in held]
-    kept = [(one, model) for one, model in amounts if one and one.resolved]
-    if lost and kept:
-        least = min((one for one, _ in kept), key=lambda one: one.value)
-        yield Hit(least, None, 0.0, {
-            "lost": joined([run.model for run in lost]), "kept": joined([model for _, model in kept]),
-            "lead": "it" if lost == list(facts.models[:1]) else facts.models[0].model, "speed": speed_text(facts.speeds[-1]),
+    if held and lost:
+        lead, *others = (run for run in facts.models if run.model != MASSLESS)
+        yield Hit(facts.amount(lead, CONTACT[0]), lead, 0.0, {
+            "said": said if (said := _says(facts, lead)) else "", "lead": lead.model,
+            "others": tuple(one for run in others if (one := _says(facts, run))), "speed": speed_text(lead.engine_speed),
         })  # fmt: skip
 
 
@@ -160,7 +170,7 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
         why = cause(lost[0], facts.losses(lost[0]))
         fields = _range(facts, lost, least, most) | {"cause": why}
         if not (least.resolved and most.resolved):
-            fields |= {"least": "", "limit": "at the limit, 0 N left on the cam"}
+            fields |= {"least": "", "limit": f"{LIMIT}, 0 N left on the cam"}
         yield Hit(most, None, 0.0, fields)
 
 
@@ -193,10 +203,8 @@ def other_models(facts: Facts) -> Iterator[Hit]:
     """What the other models say of the same train."""
     own, said = {run.model for run in facts.runs}, list[Said]()
     for run in facts.models:
-        does = _loses(facts, run)
-        left = facts.amount(run, CONTACT[0])
-        if run.model not in own and (does or left):
-            said.append(Phrase("{model} {said}", {"model": run.model, "said": does or left or ""}))
+        if run.model not in own and (one := _says(facts, run)):
+            said.append(one)
     if said:
         yield Hit(Amount(COUNT, len(said)), fields={"said": said})
 
@@ -268,13 +276,13 @@ RUN_UP = (
          "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
 )  # fmt: skip
 MODELS = (
-    Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
-         "{lead} decides; {value} left by {kept}", "valvetrain sweep {case} --model wave-rod", guide="models.md", mark="warn"),
+    Rule("M101", "decides", f"{LIMIT} at {{speed}}: {{said}}, which decides", disagree, CONTACT[:1], "{others}", SWEEP,
+         guide="models.md", mark="warn"),
     Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
          "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
          DECIDES, RUN, guide="models.md", mark="ok", unless=("M106",)),
-    Rule("M103", "decides", "in control by {count} models, barely: {least..most} left on the cam at {speed}", all_barely,
+    Rule("M103", "decides", "near its limit by {count} models: {least..most} left on the cam at {speed}", all_barely,
          CONTACT[:1], DECIDES, RUN, guide="models.md", mark="warn", unless=("M106",)),
     Rule("M104", "decides", "contact is lost by {count} models at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
          "{lead} decides[: {cause}]", RUN, guide="models.md"),

@@ -9,9 +9,10 @@ from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing, loss_of
-from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
-from valvetrain.solution.critical import RPM, CriticalSpeed, SpeedBracket, places_text
+from valvetrain.findings.words import RPM, Amount, Phrase, Said, about, joined, speed_text
+from valvetrain.solution.critical import CriticalSpeed, SpeedBracket, places_text
 from valvetrain.solution.result import Solution
+from valvetrain.springs.spec import spring_model
 
 #: Kind of critical speed -> what the valve does from there.
 DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
@@ -60,8 +61,16 @@ def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
     width = high - low if math.isfinite(high) and low > 0 else 0.0
     begin = f"below {speed_text(row.first_engine_speed, '')}" if low <= 0 else about(low)
     end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"
-    causes = ", ".join(ENDS.get(one, one) for one in row.causes)
-    return {"range": f"{begin} to {end}", "over": causes}, width / 2
+    models = [
+        one.change
+        for one in row.members
+        if one.cause == "model" and one.engine_speed in (low, high)
+    ]
+    named = ENDS | {"model": ", ".join(models)}
+    return {
+        "range": f"{begin} to {end}",
+        "over": ", ".join(named.get(one, one) for one in row.causes),
+    }, width / 2
 
 
 def rounded(row: CriticalSpeed, engine_speed: float, half: float) -> str:
@@ -199,6 +208,28 @@ def _from(one: SpeedBracket, row: CriticalSpeed) -> str:
     return f"{about(low)}{f' to {about(one.upper_engine_speed)}' if ends else ''}"
 
 
+def by_others(facts: Facts) -> Iterator[Hit]:
+    """To which speed other models that were requested keep control; a model that knows no surge has no vote on it."""
+    said = list[Phrase]()
+    models = {run.label: run.model for run in facts.others if facts.searched}
+    for label, model in models.items():
+        end = facts.control(label).limit
+        note = "" if spring_model(model).damped else ", without a vote: it knows no surge"
+        said.append(
+            Phrase(
+                "{model} keeps control {end}{note}",
+                {"model": model, "end": reached(end), "note": note},
+            )
+        )
+    said += [
+        Phrase("{model} cannot run: {why}", {"model": one.change, "why": one.refusal})
+        for label in facts.lead_labels if (row := facts.control(label).contact) for one in row.members
+        if facts.searched and one.cause == "model" and one.refusal
+    ]  # fmt: skip
+    if said:
+        yield Hit(Amount(SPEED, len(said)), None, None, {"said": tuple(said)})
+
+
 def two_motions(facts: Facts) -> Iterator[Hit]:
     """Between two speeds control is kept as the speed rises, and not regained as it falls."""
     for row in facts.study.critical_speeds if facts.searched else ():
@@ -242,6 +273,30 @@ def pair(facts: Facts) -> list[tuple[str, float]]:
     return sorted(ends, key=lambda one: -one[1])
 
 
+def gains(facts: Facts) -> list[float]:
+    """Engine speed (rad/s) by which the better of two springs keeps control longer: as computed, then with one thing changed
+    for both (model, damping, step, mesh), and between the ends of their ranges where a motion does not repeat; empty where
+    one of them keeps control up to the last speed.
+    """
+    losses = [facts.control(label).losses[:1] for label in facts.study.labels]
+    if not all(losses):
+        return []
+    low, high = sorted((loss for (loss,) in losses), key=lambda one: one.begin)
+    found, rows = [high.begin - low.begin], (low.row, high.row)
+    changed = {(one.cause, one.change): one.engine_speed for one in low.row.members}
+    for one in high.row.members:
+        other = changed.get((one.cause, one.change), math.nan)
+        if 0 < one.engine_speed < math.inf and 0 < other < math.inf and one.change:
+            found.append(one.engine_speed - other)
+    if any(one.onset == "non-repeating" for one in rows) and low.row.span and high.row.span:
+        first, last = low.row.span, high.row.span
+        found += [
+            last.lower_engine_speed - first.upper_engine_speed,
+            last.upper_engine_speed - first.lower_engine_speed,
+        ]
+    return found
+
+
 def _left(facts: Facts) -> Fields:
     """What each of two springs leaves on the cam at the highest speed in use at which both keep it."""
     runs = [
@@ -261,26 +316,33 @@ def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
     that gives a second opinion.
     """
     (better, high), (other, low) = found
+    more = gains(facts)
+    least, most = (f"{round(end(more) / RPM):d}" if more else "" for end in (min, max))
     loads = {run.spring_set: facts.amount(run, "open_spring_force") or "" for run in facts.runs}
     simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
     return {
+        "gain": f"{about(more[0])} rpm" if more else "", "range": f"{least} to {most}" if least != most else "",
         "better": better, "other": other, "high": reached(high), "low": reached(low), "load": loads.get(better, ""),
         "against": loads.get(other, ""), "model": "wave-rod" if simple else "modal-uniform", **_left(facts),
     }  # fmt: skip
 
 
+def _clear(facts: Facts, found: list[tuple[str, float]]) -> bool:
+    return found[0][1] > (1 + ALIKE) * found[1][1] and min(gains(facts), default=1.0) > 0
+
+
 def longer(facts: Facts) -> Iterator[Hit]:
-    """One of two springs keeps control longer by more than a hundredth of the speed."""
+    """One of two springs keeps control longer by more than a hundredth of the speed, with every model and damping tried."""
     found = pair(facts)
-    if found and found[0][1] > (1 + ALIKE) * found[1][1]:
+    if found and _clear(facts, found):
         limit = facts.study.record.red_line
         yield Hit(Amount(SPEED, found[1][1]), None, limit, _pair_fields(facts, found))
 
 
 def alike(facts: Facts) -> Iterator[Hit]:
-    """Two springs lose control within a hundredth of the speed, or neither does."""
+    """Two springs lose control within a hundredth of the speed, or neither does, or model or damping decides which."""
     found = pair(facts)
-    if found and not found[0][1] > (1 + ALIKE) * found[1][1]:
+    if found and not _clear(facts, found):
         yield Hit(Amount(SPEED, min(found[1][1], 1e9)), fields=_pair_fields(facts, found))
 
 
@@ -289,8 +351,26 @@ def reached(end: float) -> str:
     return f"to {about(end)} rpm" if 0 < end < math.inf else "at no speed searched" if end <= 0 else "at every speed searched"  # fmt: skip
 
 
+def most_surge(facts: Facts) -> dict[str, tuple[float, float]]:
+    """Name of either spring of a pair -> largest surge (N), and its engine speed (rad/s), of all speeds in use that were
+    run, those of the search among them.
+    """
+    found: dict[str, list[tuple[float, float]]] = {}
+    for run in facts.runs if pair(facts) else ():
+        sizes = found.setdefault(run.spring_set, [])
+        if not sizes:
+            sizes += [
+                (size, at)
+                for at, _, size in facts.curve(run.label)
+                if at <= facts.in_use and size >= 0
+            ]
+        if (size := run.quantities.get(SURGING[0], math.nan)) >= 0:
+            sizes.append((size, run.engine_speed))
+    return {name: max(sizes) for name, sizes in found.items() if sizes}
+
+
 def largest(facts: Facts, names: Sequence[str], factor: float = 1.0) -> dict[str, float]:
-    """Name and largest number of either spring of a pair: ``factor`` times a quantity, or times one less another."""
+    """Name and largest number of either spring of a pair: ``factor`` times a quantity less others."""
     found: dict[str, float] = {}
     for run in facts.runs if pair(facts) else ():
         values = [run.quantities.get(name, math.nan) for name in names]
@@ -307,13 +387,13 @@ WHY = "[{cause}][, at {angle}][, up to {size}]"
 LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 PARTS = "valvetrain study --parts {case}"
-LOADS = "[{load} against {against} at full lift]"
+GAIN = "[gain {range} rpm with other model and damping][; {load} against {against} at full lift]"
 SECOND = "valvetrain sweep {case} --model {model}"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 
 RULES = (
-    Rule("D101", "decides", "{better} is better: in control {high}, {other} {low}", longer, (), LOADS, SECOND, mark="", guide=TWO),
-    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, (), LOADS, SECOND, mark="", guide=TWO),
+    Rule("D101", "decides", "{better} keeps control[ {gain}] longer: {high}, {other} {low}", longer, (), GAIN, SECOND, mark="", guide=TWO),
+    Rule("D102", "decides", "no clear difference in control: {better} {high}, {other} {low}", alike, (), GAIN, SECOND, mark="", guide=TWO),
     Rule("W104", "decides", "not in control: {does} already at {speed}", never_held, CONTACT, "[{cause}]", COMPARE,
          guide="how-to/09-loft.md", unless=("D10",)),
     Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", PARTS, RANGE, DROPS, unless=("D10",)),
@@ -327,6 +407,7 @@ RULES = (
          ("minimum_spring_force",), step="valvetrain sweep {case} --model wave-rod", remark="ends would lift"),
     *(Rule(code, "notes", "{does} from {ranges} rpm", lost_over_speed(kind), reason=WHY, remark=f"from {{ranges}} rpm: {WHY}",
            guide=DROPS, unless=("D10",)) for code, kind in LOST_AT.items()),
+    Rule("W115", "notes", "other models: {said}", by_others),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
          two_motions),
     Rule("W113", "notes", "{said}", unlike, unless=("D10",)),

@@ -11,7 +11,7 @@ import numpy as np
 from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
 from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
-from valvetrain.quantities.loss_cause import float_and_losses, leading_loss
+from valvetrain.quantities.loss_cause import FLIGHT, float_and_losses, leading_loss
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 
@@ -19,6 +19,8 @@ from valvetrain.solution.status import Cause, Event
 FLOAT, BOUNCE = 50e-6, 100e-6
 #: Share of the cam force of rigid parts below which what is left of it is little.
 BARELY = 0.2
+#: Said where some models keep contact and others lose it, and of a loss that is no flight.
+LIMIT = "at its limit"
 #: Half the cam angle (rad) over which the curvature of the lift is looked at.
 CHORD = math.radians(2)
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
@@ -55,7 +57,7 @@ def loss_of(facts: Facts, run: Solution, events: Sequence[Event]) -> Hit | None:
     places = list(dict.fromkeys(one.where.replace("_", " ") for one in events))
     landing = largest.details.get("landing_cam_angle")
     fields: Fields = {
-        "gap": Amount("loft_gap", largest.size), "place": joined(places),
+        "gap": Amount("loft_gap", largest.size), "place": joined(places), "limit": LIMIT if largest.size <= FLIGHT else "",
         "angle": Amount("loft_cam_angle", largest.cam_angle % TURN), "cause": cause(run, events),
         "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
         "part": "" if landing is None else lobe_part(facts, run, float(landing)),
@@ -232,6 +234,11 @@ def needs(facts: Facts) -> Iterator[Hit]:
         }
         fields = {word: one for word, name in names.items() if (one := facts.amount(run, name))}
         if len(fields) == len(names):
+            if (
+                fields["closed"].value <= fields["have"].value
+                and fields["open"].value <= fields["full"].value
+            ):
+                del fields["rate"]  # nothing more is needed
             yield Hit(fields["closed"], run, fields=fields)
 
 
@@ -250,11 +257,11 @@ RULES = (
     Rule("C101", "decides", "the valve floats: {value} above its path[ {at}]", floats,
          (*CONTACT, "float_excess_lift"), "[{cause}]", SWEEP, "[left at {angle}][, met again at {landing}][ on {part}]",
          "how-to/09-loft.md", unless=("U", "W10", "D10")),
-    Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {at}]", loses, CONTACT,
+    Rule("C102", "decides", "[{limit}: ]contact is lost at the {place}[, {gap} open][ for {value}][ {at}]", loses, CONTACT,
          "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
     Rule("C105", "decides", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
          "[it lands at {velocity}][ on {part}]", SWEEP, "bounces", "how-to/10-seating.md", unless=("U", "W10", "D10", "M1", "C101", "C102")),
-    Rule("C103", "decides", "in control, barely: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
+    Rule("C103", "decides", "near its limit: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
          "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
          "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "C10")),
@@ -275,7 +282,7 @@ RULES = (
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
-         needs, NEEDED, "or {rate} at your seat load", remark="or {rate} from your seat load",
+         needs, NEEDED, "[or {rate} at your seat load]", remark="[or {rate} from your seat load]",
          guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
          ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),

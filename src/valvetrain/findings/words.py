@@ -172,7 +172,7 @@ class Words:
     Parameters
     ----------
     units : system of :data:`UNITS`, ``si`` or ``imperial``
-    brief : in cells of tables a number that is not resolved is printed without its range
+    brief : in cells of tables a number that is not resolved is its range alone
     case : what a command is given to take the case again; empty: its name
     templates : rule code -> part (``text``, ``reason``, ``step``, ``remark``) -> template in another language
     """
@@ -204,15 +204,14 @@ class Words:
         'not resolved (900 to 2900 N)'
         """
         unit = self.unit(one.name, max(abs(one.value), one.bar))
-        if not one.resolved and self.brief:
-            return "not resolved"
         if one.rests_on:
-            return f"not resolved ({one.rests_on})"
+            return "not resolved" if self.brief else f"not resolved ({one.rests_on})"
         if not one.resolved:
             least = one.value - one.bar
             ends = (max(0.0, least) if one.value >= 0 else least), one.value + one.bar
             low, high = (digits_text(end / unit.size, 0, 2) for end in ends)
-            return f"not resolved ({f'{low} to {high} {unit.text}'.strip()})"
+            text = f"{low} to {high} {unit.text}".strip()
+            return f"about {text}" if self.brief else f"not resolved ({text})"
         text = self.number(one, unit, digits)
         if one.bar > COARSE * abs(one.value):
             text += f" ± {digits_text(one.bar / unit.size, one.bar / unit.size)}"

@@ -170,25 +170,28 @@ class TrainParameters(Table):
         return replace(self, **changes)
 
     def model_of(self, spring_set: str = "") -> str:
-        """Name of the spring model of a set: the given one, else modes where all its springs are
-        cards, the reduced rod where all are wires, a chain of masses :meth:`why_chain` says why.
+        """Name of the spring model of a set: the given one, else modes where one of its springs is a
+        card, the reduced rod where all are wires, a chain of masses of springs that rub and where :meth:`why_no_rod` says why.
         """
         if self.spring_model:
             return self.spring_model
         springs = self._of(spring_set)
-        if springs and all(spring.wire is None for spring in springs):
+        cards = [spring.wire is None for spring in springs]
+        if all(cards) if self._rub(springs) else any(cards):
             return "modal-uniform"
-        return "multi-mass" if self.why_chain(spring_set) or not springs else "reduced-rod"
+        return "multi-mass" if self.why_no_rod(spring_set) or not springs else "reduced-rod"
 
-    def why_chain(self, spring_set: str = "") -> str:
+    def _rub(self, springs: Sequence[InstalledSpring]) -> bool:
+        return len(springs) == 2 and self.rubbing.coefficient > 0 and self.rubbing.normal_force > 0
+
+    def why_no_rod(self, spring_set: str = "") -> str:
         """Why the reduced rod is not the model of a set in which one is a wire; empty where it is,
         where a model is given and where all are cards.
         """
         springs = self._of(spring_set)
         if self.spring_model or all(spring.wire is None for spring in springs):
             return ""
-        rubbing = self.rubbing
-        if len(springs) == 2 and rubbing.coefficient > 0 and rubbing.normal_force > 0:
+        if self._rub(springs):
             return f"springs '{springs[0].name}' and '{springs[1].name}' rub on one another"
         for spring in springs:
             if spring.wire is None:

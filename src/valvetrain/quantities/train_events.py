@@ -367,7 +367,8 @@ def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -
     """The cause of a loss of contact or float at the samples of a ``window``, which every event, run and critical speed has
     from here; of surge also what it takes off the spring force (N) as the stretch begins.
 
-    It is inertia where rigid parts lose contact too: there, or with the valve wide open at this speed.
+    It is inertia where rigid parts lose contact too: there, or with the valve wide open at this speed. It is surge where
+    that takes a tenth of the spring force, or, without the inertia of the spring, half of what rigid parts leave on the cam.
     """
     first = window[: max(1, len(window) // 4)]
     angle = solution.cam_angle[window]
@@ -378,9 +379,20 @@ def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -
         float(np.mean(solution.channel(name)[first]))
         for name in ("retainer_force", "static_retainer_force")
     )
-    if force < 0.9 * static:
+    surging, left = _surging(solution, rigid)[first], rigid.contact_force[first]
+    if force < 0.9 * static or np.mean(surging) > 0.5 * np.mean(left):
         return {"cause": Cause.SURGE, "spring_force_loss": static - force}
     return {"cause": Cause.VIBRATION}
+
+
+def _surging(solution: Solution, rigid: RigidCycle) -> Array:
+    """What the spring lacks (N) of its static force at each sample, less what follows the acceleration of the valve: that is
+    the inertia of the spring's mass, of which rigid parts have their share.
+    """
+    lacks = solution.channel("static_retainer_force") - solution.channel("retainer_force")
+    slowed = -rigid.valve_acceleration
+    moving = max(0.0, float(lacks @ slowed)) / max(float(slowed @ slowed), 1e-9)
+    return np.asarray(lacks - moving * slowed)
 
 
 def _event(

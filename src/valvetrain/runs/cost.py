@@ -124,8 +124,11 @@ def _rounded_up(value: float, units: Mapping[str, float]) -> str:
 CYCLES, FORGOTTEN = 6, 0.1
 #: Seconds that a run stored whole takes in addition to its steps.
 OVERHEAD = 0.3
-#: Cam revolutions of a search for the critical speeds of one train.
-SEARCH_CYCLES = 400
+#: Search for the critical speeds of one train: distance (rad/s) of the speeds that it scans, runs of its ranges and roots,
+#: cam revolutions and seconds of evaluation of each run.
+SCANNED, RANGE_RUNS, RUN_TURNS, EVALUATION = 50 * math.pi / 30, 200, 4.3, 0.025
+#: Seconds of one core per simulated second of a train beside its springs.
+TRAIN_TIME = 0.6
 #: Numbers of a run at each instant: of its ends, and of each point along a spring.
 AT_ENDS, AT_POINT = 30, 12
 #: The chain of masses; points along a wire of a model without a mesh.
@@ -230,11 +233,14 @@ def array_cost(request: RunRequest, whole: bool = True, searches: bool = False) 
     simulated_time = sum(
         turn * (cycles or min(CYCLES, 1 + math.ceil(FORGOTTEN / turn))) for turn in turns
     )
-    if searches and train is not None:
-        simulated_time += SEARCH_CYCLES * min(turns)
+    low, high = min(engine_speeds), max(engine_speeds)
+    count = (high - low) / SCANNED + RANGE_RUNS
+    searched = RUN_TURNS * (4 * math.pi * math.log(high / low) / SCANNED + RANGE_RUNS * min(turns))
+    parts = planned(request)
+    trains = max(1, min(request.workers, sum(len(models) for models, _ in parts)))
     at_a_time, stored, total = max(1, min(request.workers, len(turns))), len(turns) * whole, Cost()
     steps = 0.0 if train is not None else min(max(turns) / STEP, MOST_STEPS)
-    for models, springs in planned(request):
+    for models, springs in parts:
         for spec in map(spring_model, models):
             if not springs or spec.no_motion or any(map(spec.why_not, springs)):
                 continue  # refused, with its reason, where the parts are built
@@ -242,6 +248,9 @@ def array_cost(request: RunRequest, whole: bool = True, searches: bool = False) 
             work = sum(refinement**2 for _, refinement in meshes)  # more unknowns in shorter steps
             stepping = simulated_time * spec.processor_time * work
             seconds = ((OVERHEAD + STEP_TIME * steps) * stored + stepping) / at_a_time
+            if searches and train is not None:
+                stepping = searched * (spec.processor_time * work + TRAIN_TIME)
+                seconds += (stepping + EVALUATION * count) / trains
             run = 8.0 * INSTANTS * (AT_ENDS + AT_POINT * sum(points for points, _ in meshes))
             at_work = (2 * run + STEP_BYTES * steps) * at_a_time
             total += Cost(seconds, (run + STORED_BYTES * steps) * stored + at_work)

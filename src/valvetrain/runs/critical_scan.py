@@ -33,7 +33,8 @@ class SpeedSample:
     """The train at one engine speed.
 
     ``measures`` by kind pass zero where control is lost, which NaN says too; ``places`` of the loss; ``orbit`` on which
-    the run ended, None where it does not repeat; ``cam_force``: the least one (N) while open, NaN where there is none.
+    the run ended, None where it does not repeat; ``cam_force``: the least one (N) while open, and ``surge_force``: the
+    amplitude (N) of surge, NaN where there is none.
     ``unknown``: kinds of which the run says nothing, since it ended early or ends of its springs would pull
     (``pulls``), which they cannot.
     """
@@ -45,6 +46,7 @@ class SpeedSample:
     cam_force: float = math.nan
     unknown: frozenset[str] = frozenset()
     pulls: bool = False
+    surge_force: float = math.nan
 
     def measure(self, kind: str) -> float:
         """The measure with a sign; hardly positive of what a run does not say, hardly negative of 0 and NaN."""

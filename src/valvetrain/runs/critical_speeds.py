@@ -29,9 +29,10 @@ from valvetrain.solution.critical import (
     NARROW,
     CriticalSpeed,
     CriticalSpeeds,
+    RangeMember,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.system.problem import Problem
+from valvetrain.system.problem import Member, Problem
 from valvetrain.system.train_system import TrainSystem
 
 RPM = math.pi / 30
@@ -98,6 +99,7 @@ def sample_of(
         float(solution.quantities.get("minimum_cam_contact_force", math.nan)),
         frozenset(KINDS if pulls else {bounces} if ended else ()),
         pulls,
+        float(solution.quantities.get("surge_amplitude_force", math.nan)),
     )
 
 
@@ -134,7 +136,35 @@ def find_critical_speeds(
             jobs.append((index, samples))
     shared = problem, tuple(ready), plan, options
     found = map_points(_search, shared, jobs, workers, processes=True, tell=tell) if jobs else ()
-    return CriticalSpeeds(tuple(row for rows in found for row in rows))
+    by_member = {ready[index].member: rows for (index, _), rows in zip(jobs, found, strict=True)}
+    return CriticalSpeeds(tuple(row for one in by_member for row in _by_models(one, by_member)))
+
+
+def _by_models(
+    member: Member, found: Mapping[Member, tuple[CriticalSpeed, ...]]
+) -> tuple[CriticalSpeed, ...]:
+    """The results of a member, the ranges with those of the same train by other models that were requested and know
+    surge: each was searched whole, so it replaces the root that the range has of the model.
+    """
+    others = {
+        one.model.word: rows
+        for one, rows in found.items()
+        if (one.springs, one.gear) == (member.springs, member.gear) and one.model.damped
+    }
+    others.pop(member.model.word, None)
+
+    def with_models(row: CriticalSpeed) -> CriticalSpeed:
+        kept = tuple(
+            one for one in row.members if not (one.cause == "model" and one.change in others)
+        )
+        also = (next(one for one in rows if one.kind == row.kind) for rows in others.values())
+        added = tuple(
+            RangeMember("model", word, one.deciding_speed)
+            for word, one in zip(others, also, strict=True)
+        )
+        return replace(row, members=(*kept, *added)) if row.members else row
+
+    return tuple(map(with_models, found[member]))
 
 
 def _search(
@@ -165,7 +195,7 @@ def _search(
         whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
         rows = [with_range(row, scan, changed, whole[row.kind]) for row in rows]
     curve = tuple(
-        (at, run.cam_force)
+        (at, run.cam_force, run.surge_force)
         for at, run in sorted((scan.samples | scan.precise).items())
         if math.isfinite(run.cam_force)
     )

@@ -144,9 +144,7 @@ def study_facts(
 ) -> tuple[Fact, ...]:
     """Facts of a study of a problem with its ``solutions``, and with the runs ``between`` the speeds of a sweep."""
     by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
-    found = (
-        *case_facts(problem, problem.members), *between_facts(solutions, between), *run_facts(by_speed),
-    )  # fmt: skip
+    found = (*case_facts(problem, problem.members), *run_facts(by_speed))
     if load_uncertainty(problem.record):  # a published run is reported next to its measured peaks
         return found
     return (*found, *beyond_wire_facts(problem, solutions))
@@ -191,14 +189,6 @@ def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterat
 #: Distance from a swept speed, over the speed, within which an order speed is no other speed: a
 #: tenth of the half-width of a resonance at 5 % damping.
 SAME = 0.005
-#: Quantities that surge makes worse -> the sign of what is worse.
-WORSE = {
-    "minimum_spring_force": -1,
-    "surge_amplitude_force": 1,
-    "minimum_cam_contact_force": -1,
-}
-#: Change, over the value at the swept speeds, from which a value between them is reported.
-REPORTED = 0.02
 
 
 def order_speeds(one: PreparedRun, engine_speeds: Sequence[float]) -> tuple[float, ...]:
@@ -236,44 +226,3 @@ def run_between(
     ]
     shared = problem, tuple(ready), replace(plan, whole=False)
     return tuple(map_points(train_point, shared, points, workers, processes=True)) if points else ()
-
-
-def between_facts(swept: Sequence[Solution], between: Sequence[Solution]) -> Iterator[Fact]:
-    """The speeds of the runs between the swept ones, and where a quantity there is worse than at both
-    swept speeds next to it.
-    """
-    for run in between:
-        yield Fact("between-speeds", {"label": run.label, "engine_speed": run.engine_speed})
-    for label in dict.fromkeys(run.label for run in between):
-        mine = [run for run in between if run.label == label]
-        own = sorted((run for run in swept if run.label == label), key=lambda run: run.engine_speed)
-        for name, sign in WORSE.items():
-            yield from _worst(own, mine, name, sign)
-
-
-def _worst(
-    swept: Sequence[Solution], between: Sequence[Solution], name: str, sign: int
-) -> tuple[Fact, ...]:
-    """The worst of the values that are worse than at both swept speeds next to them; empty for none."""
-    most, found = -math.inf, tuple[Fact, ...]()
-    for run in between:
-        speed = run.engine_speed
-        sides = (
-            [one for one in swept if one.engine_speed < speed][-1:],
-            [one for one in swept if one.engine_speed > speed][:1],
-        )
-        next_to = [*sides[0], *sides[1]]
-        if not all(one.status.completed and name in one.quantities for one in (run, *next_to)):
-            continue
-        worst = max(next_to, key=lambda one: sign * one.quantities[name])
-        value, known = run.quantities[name], worst.quantities[name]
-        if sign * (value - known) > REPORTED * abs(known) and sign * value > most:
-            most = sign * value
-            numbers = {
-                "engine_speed": speed,
-                "value": value,
-                "next_engine_speed": worst.engine_speed,
-                "next_value": known,
-            }
-            found = (Fact("worse-between", {"label": run.label, "quantity": name, **numbers}),)
-    return found

@@ -222,6 +222,8 @@ class Sweep(SpeedRequest):
     command = "sweep"
     #: Step (rpm) between engine speeds where none is given.
     step: ClassVar[int] = 100
+    #: Share of the highest speed in use (red line) from which it begins; 0: from 1000 rpm.
+    begin: ClassVar[float] = 0.0
 
     critical_speeds: bool = option(
         read_switch,
@@ -271,15 +273,18 @@ class Sweep(SpeedRequest):
         """The request with speeds to 1.2 times the red line where none is given."""
         if self.engine_speeds is not None:
             return self
-        return replace(self, engine_speeds=sweep_speeds(self.case, self.step))
+        speeds = sweep_speeds(self.case, self.step)
+        first = min(self.begin * self.case.operation.top_speed, speeds[-1])
+        return replace(self, engine_speeds=tuple(one for one in speeds if one >= first))
 
 
 @dataclass(frozen=True, kw_only=True)
 class CompareSprings(Sweep):
-    """Two springs side by side in one engine over its speed."""
+    """Two springs side by side in one engine over its speed, by default from half of its red line."""
 
     command = "compare-springs"
     step = 500
+    begin = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -96,7 +96,8 @@ class CriticalSpeed:
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
-    ``curve``, of a loss of contact: engine speed and least cam force (N) of all runs, those of the sweep among them.
+    ``curve``, of a loss of contact: engine speed, least cam force (N) and amplitude of surge (N, NaN where there is none)
+    of all runs, those of the sweep among them.
     ``passed``: ranges, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and
     whose motion does not repeat: the last revolution of a run lost control there, the next may not.
     ``falling_engine_speed``: below which control returns as the speed falls, where that is more than a short range
@@ -119,7 +120,7 @@ class CriticalSpeed:
     spring_force_loss: float = 0.0
     surge_order: int = 0
     cam_angle: float = math.nan
-    curve: tuple[tuple[float, float], ...] = ()
+    curve: tuple[tuple[float, float, float], ...] = ()
     passed: tuple[SpeedBracket, ...] = ()
     falling_engine_speed: float = math.nan
 

@@ -238,7 +238,7 @@ def _train_members(
                 case.name,
                 variant.note,
                 not own.spring_model,
-                own.why_chain(chosen),
+                own.why_no_rod(chosen),
             )
         )
     return tuple(members)

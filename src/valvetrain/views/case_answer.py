@@ -142,7 +142,9 @@ class CaseAnswer(ShownByRules):
             return "", "", ""
         closed, full, rate = (one for one in needed if one)
         top = speed_text(self.facts.parameters.operation.top_speed)
-        note = f"seat to full lift, a fifth above inertia; or {self.words.amount(rate)} at your seat load"
+        note = "seat to full lift, a fifth above inertia"
+        if rate.value > 0:
+            note += f"; or {self.words.amount(rate)} at your seat load"
         return f"needed at {top}", self.words.span(closed, full), note
 
     def _loads(self, place: int) -> tuple[str, ...]:

@@ -73,7 +73,7 @@ def orders(facts: Facts) -> go.Figure | None:
     fig = go.Figure()
     for run, colour in zip(runs, SPEEDS, strict=False):
         sizes = [run.quantities.get(f"surge_order_{one}_force", 0.0) for one in ORDERS]
-        name = run.label if facts.several else speed_text(run.engine_speed)
+        name = f"{run.label * facts.several}, {speed_text(run.engine_speed)}".lstrip(", ")
         fig.add_trace(go.Bar(x=list(ORDERS), y=sizes, name=name, marker_color=colour))
     fig.update_layout(barmode="group")
     return styled(fig, "cam order", ("N",), 300)

@@ -63,18 +63,20 @@ def bars(facts: Facts) -> list[Bar]:
         return []
     first, last = reach(facts)
     if len(facts.lead_labels) > 1:
-        sets = {run.label: run.spring_set or run.label for run in facts.runs}
-        names = {label: sets[label] for label in facts.lead_labels if label in sets}
-        named = names if len(set(names.values())) == len(names) else {one: one for one in names}
-        return [
-            Bar(name, _free(facts, label, first, last), "ok", OK) for label, name in named.items()
-        ]
+        names = names_of(facts).items()
+        return [Bar(name, _free(facts, label, first, last), "ok", OK) for label, name in names]
     label = facts.first_label
     found = [Bar(HELD, _free(facts, label, first, last), "ok", OK)]
     for kind, (word, colour, code) in LOST.items():
         spans = _within(facts, label, kind, first, last)
         found.append(Bar(word, spans, "bad" if kind == "contact-loss" else "warn", colour, code))
     return [one for one in found if one.spans or one.word == HELD]
+
+
+def names_of(facts: Facts) -> dict[str, str]:
+    """Labels of the runs that decide -> their spring sets, where these tell them apart."""
+    sets = {run.label: run.spring_set or run.label for run in (*facts.runs, *facts.beyond)}
+    return sets if len(set(sets.values())) == len(sets) else {one: one for one in sets}
 
 
 def _within(facts: Facts, label: str, kind: str, first: float, last: float) -> Spans:
@@ -128,17 +130,15 @@ def speeds(facts: Facts) -> go.Figure | None:
             customdata=ends, hovertemplate="%{base:.0f} to %{customdata:.0f} rpm<extra></extra>",
         ), 1, 1)  # fmt: skip
     several = len(facts.lead_labels) > 1
+    sets = names_of(facts)
     for label, colour in zip(facts.lead_labels, SPEEDS * len(facts.lead_labels), strict=False):
-        word = f"least on the cam, {label}" if several else "least force on the cam"
-        fig.add_trace(
-            _curve(facts, label, "minimum_cam_contact_force", word, colour if several else LEAD),
-            2,
-            1,
-        )
-        if not several:
-            fig.add_trace(
-                _curve(facts, label, "surge_amplitude_force", "surge, 0 to peak", SECOND), 2, 1
-            )
+        whose = f", {sets[label]}" if several else ""
+        other, dash = (colour, "dot") if several else (SECOND, "solid")
+        for name, word, shade, style in (
+            ("minimum_cam_contact_force", f"least on the cam{whose}", colour, "solid"),
+            ("surge_amplitude_force", f"surge, 0 to peak{whose}", other, dash),
+        ):
+            fig.add_trace(_curve(facts, label, name, word, shade, style), 2, 1)
     _red_line(fig, facts)
     styled(fig, "engine speed, rpm", ("", "N"), 430)
     fig.update_layout(
@@ -162,7 +162,12 @@ def _red_line(fig: go.Figure, facts: Facts) -> None:
 def _curve(
     facts: Facts, label: str, name: str, word: str, colour: str, dash: str = "solid"
 ) -> go.Scatter:
-    """A quantity of a label over engine speed (rpm), with a mark for each run."""
+    """A quantity of a label over engine speed (rpm), of all runs of a search where it kept it, else with a mark for each."""
+    place = {"minimum_cam_contact_force": 1, "surge_amplitude_force": 2}.get(name, 0)
+    if place and (curve := facts.curve(label)):
+        return line(
+            [one[0] / RPM for one in curve], [one[place] for one in curve], word, colour, dash
+        )
     runs = _of(facts, label)
     values = [facts.value(run, name) for run in runs]
     trace = line([run.engine_speed / RPM for run in runs], values, word, colour, dash)

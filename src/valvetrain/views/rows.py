@@ -13,12 +13,22 @@ import numpy as np
 from valvetrain.findings.engine import Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
-from valvetrain.findings.rules_sweep import ALIKE, SPEED, STRESS, SURGING, largest, pair, reached
+from valvetrain.findings.rules_sweep import (
+    ALIKE,
+    SPEED,
+    STRESS,
+    SURGING,
+    largest,
+    most_surge,
+    pair,
+    reached,
+)
 from valvetrain.findings.rules_train import BOUNCE, FLOAT, NEAR_PISTON
 from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
     Words,
+    about,
     fields_of,
     speed_text,
 )
@@ -85,11 +95,6 @@ class Row:
 
 #: Stress amplitudes that wires bear without end.
 ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
-#: Rows of two springs: their largest number over the speeds in use.
-MOST = (
-    ("most surge", SURGING, 1.0, "0 to peak, of the speeds in use"),
-    ("shear amplitude", STRESS, 0.5, f"endless to {' or '.join(ENDLESS)}"),
-)  # fmt: skip
 CAM = "{minimum_cam_contact_force..peak_%scam_contact_force}"
 SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
@@ -99,6 +104,7 @@ ROWS = (
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
     Row("on the seat", (SEAT,), "below 10 kHz", "spring"),
     Row("coil on coil", ("{surge_clash_peak_force}",), "hardest blow", "spring"),
+    Row("coil on coil", ("{surge_clash_peak_force}", "{clash_count} blows"), "hardest blow", "train"),
     Row("landing", ("{seating_velocity}",), of="train", limit=Limit("seating_velocity", "permitted_seating_velocity")),
     Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", BOUNCE)),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
@@ -211,15 +217,21 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     """Of two springs in one engine: to which speed each keeps control, and its largest surge and stress amplitude."""
     if not pair(facts):
         return []
+    sets = [run.spring_set for run in runs]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
-    lines = [Line("in control", ends, "", "of the speeds in use")]
-    for label, names, factor, note in MOST:
-        sizes = largest(facts, names, factor)
-        amounts = [Amount(names[0], sizes.get(run.spring_set, math.nan)) for run in runs]
-        if any(math.isfinite(one.value) for one in amounts):
-            cells = tuple(words.amount(one) if math.isfinite(one.value) else "" for one in amounts)
-            lines.append(Line(label, cells, "", note))
-    return lines
+    surge, stress = most_surge(facts), largest(facts, STRESS, 0.5)
+    most = [surge.get(name, (math.nan, 0.0)) for name in sets]
+    cells = [
+        f"{words.amount(Amount(SURGING[0], size))} at {about(at)} rpm" if size >= 0 else ""
+        for size, at in most
+    ]
+    borne = [Amount(STRESS[0], stress[name]) if name in stress else None for name in sets]
+    lines = (
+        Line("in control", ends, "", "of the speeds searched"),
+        Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
+        Line("shear amplitude", tuple(words.amount(one) if one else "" for one in borne), "", f"endless to {' or '.join(ENDLESS)}"),
+    )  # fmt: skip
+    return [one for one in lines if any(one.cells)]
 
 
 def _added_rows() -> Iterator[Row]:
