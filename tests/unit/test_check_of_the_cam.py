@@ -203,3 +203,31 @@ def test_the_page_of_a_case_shows_its_picture_and_the_set_in_use(tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert found["page"] == str(folder / "report.html") and "<svg" in page and data_of(page)
     assert [name for name in found["facts"] if name.startswith("springs")] == ["springs 'stock'"]
+
+
+def test_springs_that_are_short_at_the_highest_speed_are_not_ready(tmp_path):
+    """As much preload as is missing makes them ready, a little less does not."""
+    path = tmp_path / "v8.toml"
+    path.write_text(template_text("pushrod"), encoding="utf-8")
+
+    def first(more: float) -> dict:
+        loads = (f"preload={578.27 + more} N", f"open_load={1556.9 + more} N")
+        changes = [word for one in loads for word in ("--set", f"train.springs.card[0].{one}")]
+        speed = ("--set", "operation.engine_speeds=9500 rpm")
+        return checked(path, *speed, "--spring-set", "card", *changes)["findings"][0]
+
+    lacking = first(0)
+    assert lacking["code"] == "Q116" and lacking["value"]["value"] > 50
+    missing = lacking["value"]["value"]
+    assert first(0.99 * missing)["value"]["value"] == pytest.approx(0.01 * missing, rel=0.01)
+    assert first(1.01 * missing)["code"] == "Q101"
+
+
+def test_another_spring_set_is_looked_at(tmp_path):
+    path = tmp_path / "v8.toml"
+    path.write_text(template_text("pushrod"), encoding="utf-8")
+    assert "card_preload" in checked(path)["quantities"]
+    wire = checked(path, "--spring-set", "wire")["quantities"]
+    assert "card_preload" not in wire and wire["installed_height"]["value"] == pytest.approx(46e-3)
+    result = CliRunner().invoke(app, ["check", str(path), "--spring-set", "none"])
+    assert result.exit_code == 2 and "none" in result.stderr

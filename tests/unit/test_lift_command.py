@@ -3,6 +3,7 @@ a run.
 """
 
 import json
+import shlex
 import shutil
 
 import numpy as np
@@ -14,6 +15,9 @@ from unit.cli_parts import typed
 from valvetrain.cam import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.lift.band import lift_band_study
+from valvetrain.lift.files import case_with
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.loading import load_case
 
 #: A polydyne-like lobe: 9 mm over 120 cam deg about 180.
 ANGLES = np.arange(90.0, 271.0)
@@ -113,7 +117,7 @@ def _case_of(text: str) -> str:
         (("--columns", "angle, hub"), "a column is one of"),
         (("--zero", "top"), "zero is file or nose"),
         (("--write", "a.txt", "--write-form", "odd"), "unknown"),
-        (("--case", "job-t", "--draws", "2"), "draws is a number from 4"),
+        (("--case", "job-t", "--draws", "4"), "draws is a number from 4"),
         (("--case", "tdi-pushrod"), "driven by the lift of the tappet"),
     ],
 )
@@ -202,3 +206,19 @@ def test_a_lobe_becomes_the_lift_of_a_case(table):
         and carried["peak_spring_force"]["standard_deviation"] > 0
     )
     shutil.rmtree("runs")
+
+
+def test_a_measured_lobe_keeps_the_rocker_and_the_lash_of_the_card_that_it_replaces():
+    law = LiftLawParameters("zero", {}, "tappet")
+    changed = case_with(load_case("template:pushrod", {"lift_law.lash": "0.010 in"}), law)
+    assert changed.train.lever.valve_arm / changed.train.lever.drive_arm == pytest.approx(1.6)
+    assert changed.train.lash == pytest.approx(0.254e-3)
+
+
+def test_the_next_step_of_a_good_table_is_this_command_with_a_case(table):
+    data = json.loads(invoke("lift", str(table), "--noise", "3 um", "--json").stdout)
+    words = shlex.split(data["findings"][0]["step"])
+    assert words[:3] == ["valvetrain", "lift", str(table)]
+    assert words[words.index("--noise") + 1] == "3 um" and words[-1].startswith("template:")
+    again = json.loads(invoke(*words[1:], "--draws", "4", "--json").stdout)
+    assert again["findings"][0]["code"] == "L210"

@@ -72,7 +72,7 @@ def cases(line: CasesLine) -> None:
 
 def register_check(app: typer.Typer) -> None:
     """Add the command."""
-    add_command(app, Check, SavedLine, check, limit=None, spring_sets=None)
+    add_command(app, Check, SavedLine, check, limit=None)
 
 
 def check(request: Check, line: SavedLine, folder: Path) -> None:
@@ -95,6 +95,10 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     from valvetrain.views.terminal import screen
 
     chosen = request.case
+    if request.spring_sets:
+        if chosen.train is None or len(request.spring_sets) > 1:
+            raise InputError("check looks at one spring set of a train; name one", "--spring-set")
+        chosen = chosen.replace(train=chosen.train.replace(spring_set=request.spring_sets[0]))
     problem = put_together(chosen, request.models, request.implausible)
     quantities = case_quantities(chosen, problem)
     cam, durations = cam_facts(chosen, problem)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from valvetrain.findings.engine import SPRINGS, Hit, Rule, Subject
 from valvetrain.findings.rules_source import LASH, RECUT
-from valvetrain.findings.words import Amount
+from valvetrain.findings.rules_train import NEEDED
+from valvetrain.findings.words import Amount, speed_text
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cam_shape import lash_lift
@@ -62,6 +63,14 @@ class CaseFacts(Subject):
         solid = [self.values[f"{one}coil_bind_lift"] for one in SPRINGS if f"{one}coil_bind_lift" in self.values]  # fmt: skip
         known = bool(solid) and math.isfinite(self.lift)
         return Amount("coil_bind_clearance", min(solid) - self.lift) if known else None
+
+    @property
+    def short(self) -> Amount | None:
+        """By how much the springs are below the load that is :data:`NEEDED` at full lift; None where they are not."""
+        needed, have = (
+            self.values.get(name, math.nan) for name in (NEEDED[1], "open_spring_force")
+        )
+        return Amount(NEEDED[1], needed - have) if needed > have else None
 
 
 def high_lash(facts: CaseFacts) -> Iterator[Hit]:
@@ -135,6 +144,16 @@ def too_soft(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit(Amount("installed_rate", found[0]), None, found[1])
 
 
+def short(facts: CaseFacts) -> Iterator[Hit]:
+    """The springs leave less than a fifth above the inertia force at the highest speed in use."""
+    if facts.short:
+        words = dict(zip(("closed", "full", "rate"), map(facts.amount, NEEDED), strict=True))
+        speed = speed_text(facts.parameters.operation.top_speed)
+        yield Hit(
+            facts.short, fields={"speed": speed} | {key: one or "" for key, one in words.items()}
+        )
+
+
 def ready(facts: CaseFacts) -> Iterator[Hit]:
     """Everything that a run builds could be built, and nothing is in doubt."""
     if facts.runs:
@@ -190,6 +209,8 @@ RULES = (
          (), "stiffness or mass is wrong", mark="warn"),
     Rule("Q115", "decides", "the pushrod's {value} are less than half of the {limit} of a tube of its mass and length",
          too_soft, (), "as if more than the tube gave way", mark="warn"),
+    Rule("Q116", "decides", "the springs are {value} short of a fifth above inertia at {speed}", short, NEEDED,
+         "they need {closed} closed and {full} at full lift, or {rate}", "valvetrain sweep {case}", mark="warn"),
     Rule("Q101", "decides", "ready to run", ready, BIND, "[{left} left to coil bind][, least radius of the cam {radius}]",
          "valvetrain {next} {case}", mark="ok", unless=("Q11",)),
     Rule("Q102", "decides", "a {kind} lift law alone", law_alone, (), "nothing to run without a spring or a train",

@@ -142,9 +142,9 @@ class LiftAnswer(Shown):
     def computed(self) -> Iterator[str]:
         """How the law was made."""
         yield "The law is the likeliest spline whose jerk is white noise; bands are 1.96 standard deviations."
-        yield "A case runs with the mean law and with laws drawn from those that the stations allow."
+        yield "A case runs with the mean law and with laws drawn from those that the stations allow; name yours with --case."
         if self.facts.carried is None:
-            yield "Copy the lift_law table of the file into your case, or repeat this command with --case CASE."
+            yield f"Copy the lift_law table of {self.facts.file or 'the file'} into your case."
         yield from self.facts.failures
 
 
@@ -164,7 +164,8 @@ def _curves(facts: LiftFacts, *derivatives: int) -> go.Figure | None:
             fig.add_trace(band.update(line={"width": 0}), row, 1)
             fig.add_trace(line(angle, mean, name, colour, showlegend=first), row, 1)
         fig.add_trace(_marks(lobe, 1e3 * (lobe.measured.lifts - law.base), lobe.measured.cam_angles), 1, 1)  # fmt: skip
-    return styled(fig, ANGLE, tuple(AXES[one][0] for one in derivatives), 180 * len(derivatives) + 60)  # fmt: skip
+    titles = (AXES[one][0] for one in derivatives)
+    return styled(fig, ANGLE, (f"{facts.lobes[0].measured.lift_of} {next(titles)}", *titles), 180 * len(derivatives) + 60)  # fmt: skip
 
 
 def _marks(lobe: LobeResult, y: Array, angles: Array) -> go.Scatter:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -42,6 +43,11 @@ if TYPE_CHECKING:
 
 #: Options that say where and how an answer is shown.
 MANNER = ("output", "open_page", "units", "as_json", "quiet")
+#: Options that say what the tables hold.
+READS = (
+    "exhaust", "angle_of", "lift_of", "lift_unit", "angle_unit", "columns", "zero", "direction", "lobe", "follower", "base_radius",
+    "mend", "peak_lift", "duration", "opening", "noise", "band",
+)  # fmt: skip
 
 
 def register(app: typer.Typer) -> None:
@@ -182,6 +188,7 @@ def lift(
     effect of the noise on forces and float.
     """
     choices = {name: str(value) for name, value in locals().items() if name not in MANNER}
+    read = {name: one for name, one in locals().items() if name in READS and one}
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
     from valvetrain.lift.rules import LiftFacts
@@ -249,7 +256,13 @@ def lift(
         f"lift-{'events' if file is None else file.stem}", lobes[0] if lobes else None, *stated
     )
     title = " and ".join(one.name for one in tables)
-    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried)
+    words = [
+        word
+        for key, one in read.items()
+        for word in (f"--{key.replace('_', '-')}", *([] if one is True else [str(one)]))
+    ]
+    again = shlex.join([str(file or ""), *words])
+    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried, again=again)
     name = "case" if carried is not None else lobes[0].measured.name if lobes else "events"
 
     def fill(folder: Path) -> list[Path]:

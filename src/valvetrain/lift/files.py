@@ -15,6 +15,7 @@ from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.schema_case import lend
 from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.solution.atomic import write_bytes, write_text
 
@@ -44,8 +45,10 @@ def lift_case(
 
 
 def case_with(case: Case, law: LiftLawParameters) -> Case:
-    """The case with that lift law, in its text too."""
-    tree = tomllib.loads(case.text) | resolved({"lift_law": {}}, law)
+    """The case with that lift law, in its text too; its train keeps the lash and the rocker ratio of the cam card."""
+    tree = tomllib.loads(case.text)
+    lend(tree, tree.get("lift_law", {}))
+    tree |= resolved({"lift_law": {}}, law)
     return parse_case(toml_text(tree), case.name)
 
 

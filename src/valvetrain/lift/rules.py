@@ -43,6 +43,7 @@ class LiftFacts(Subject):
     timing : events against dead centre, where they are known
     carried : a case with the first lobe, and what the noise does to it
     file : the law of the first lobe as part of a case file; of a case the whole of it
+    again : words behind ``valvetrain lift`` that read the tables again; empty in a program
     """
 
     lobes: tuple[LobeResult, ...] = ()
@@ -50,6 +51,7 @@ class LiftFacts(Subject):
     timing: tuple[LiftFigure, ...] = ()
     carried: LiftBandStudy | None = None
     file: str = ""
+    again: str = ""
 
     @property
     def case(self) -> str:
@@ -214,7 +216,13 @@ def good(facts: LiftFacts) -> Iterator[Hit]:
         durations = [one for one in lobe.figures if one.name.startswith(("peak", "duration"))]
         first, *more = (facts.pair or durations)[:2]
         share = percent(max(map(looseness, facts.lobes)))
-        fields: dict[str, Said] = {"first": first.label, "share": share}
+        template = "spring" if lobe.measured.lift_of == "valve" else "pushrod"
+        fields: dict[str, Said] = {
+            "first": first.label,
+            "share": share,
+            "again": facts.again,
+            "template": template,
+        }
         fields |= {"second": more[0].label, "more": more[0].amount} if more else {}
         yield Hit(first.amount, fields=fields)
 
@@ -302,7 +310,7 @@ RULES = (
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
-         "its acceleration is known within {share}", "add --case with your train, or copy the [lift_law] of [{case}] into it",
+         "its acceleration is known within {share}", "[valvetrain lift {again} --case template:{template}]",
          mark="ok", unless=("L20", "L210", "L213", "L214")),
     Rule("L212", "decides", "{first} {value:4}, {second} {more:4}", timed, (), "of the events as they were typed in",
          "write them into the [lift_law] of a case, with its lift", mark="ok"),

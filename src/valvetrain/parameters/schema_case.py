@@ -6,6 +6,7 @@ import hashlib
 import re
 import threading
 from collections import OrderedDict
+from collections.abc import Container
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -161,6 +162,15 @@ _LENT: tuple[tuple[str, str, str, set[str]], ...] = (
     ("rocker_ratio", "lever", "ratio", {"ratio", "valve_arm"}),
     ("dead_centre", "crank", "top_dead_centre", {"top_dead_centre", "lobe_centre"}),
 )
+
+
+def lend(tree: Any, law: Any, kept: Container[str] = ()) -> None:
+    """Give the train of a case file what it had from a ``law`` that is to be another; ``kept``: keys that the next has too."""
+    train = tree.get("train", {})
+    for name, part, key, given in _LENT:
+        table = train.get(part, {}) if part else train
+        if name in law and name not in kept and table and not given & set(table):
+            table[key] = law[name]
 
 
 class CaseModel(StrictModel):

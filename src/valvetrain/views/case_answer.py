@@ -12,8 +12,10 @@ import plotly.graph_objects as go
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
+from valvetrain.findings.engine import Mark
 from valvetrain.findings.rules_case import RULES, CaseFacts
 from valvetrain.findings.rules_train import NEEDED
+from valvetrain.findings.springs_at_rest import TOGETHER
 from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
 from valvetrain.solution.definition import is_defined, label_of
@@ -67,8 +69,8 @@ class CaseAnswer(ShownByRules):
 
     @property
     def headings(self) -> list[str]:
-        """The springs in use, where there are several."""
-        return list(self.loads) if len(self.loads) > 1 else [""]
+        """The springs in use and both together, where there are several."""
+        return [*self.loads, TOGETHER] if len(self.loads) > 1 else [""]
 
     @cached_property
     def lines(self) -> list[Line]:
@@ -115,12 +117,11 @@ class CaseAnswer(ShownByRules):
 
     def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
         if isinstance(cells, str):
-            cells = (cells, *[""] * (len(self.headings) - 1))
-        return (
-            bind_line(cells, note, self.findings, self.words)
-            if label == "coil bind"
-            else Line(label, cells, "", note)
-        )
+            cells = (*[""] * (len(self.headings) - 1), cells)
+        if label == "coil bind":
+            return bind_line(cells, note, self.findings, self.words)
+        mark: Mark = "warn" if self.facts.short and label.startswith("needed") else ""
+        return Line(label, cells, mark, note)
 
     def _ramp_left(self) -> str:
         """Up to which lash, about, the valve meets its seat on the closing ramp."""
@@ -148,18 +149,20 @@ class CaseAnswer(ShownByRules):
         return f"needed at {top}", self.words.span(closed, full), note
 
     def _loads(self, place: int) -> tuple[str, ...]:
-        return self._each(lambda one: self.words.amount(Amount("preload", one[place].force)))
+        return self._each("preload", lambda one: (one[place].force,))
 
     def _rates(self) -> tuple[str, ...]:
-        def read(states: tuple[RestPoint, RestPoint]) -> str:
-            closed, full = (Amount("installed_rate", one.stiffness) for one in states)
-            return self.words.span(closed, full)
+        return self._each("installed_rate", lambda one: (one[0].stiffness, one[1].stiffness))
 
-        return self._each(read)
-
-    def _each(self, read: Callable[[tuple[RestPoint, RestPoint]], str]) -> tuple[str, ...]:
-        """What is read of every spring in use, closed and at full lift."""
-        return tuple("" if isinstance(one, str) else read(one) for one in self.loads.values())
+    def _each(
+        self, name: str, read: Callable[[tuple[RestPoint, RestPoint]], tuple[float, ...]]
+    ) -> tuple[str, ...]:
+        """What is read of every spring in use, closed and at full lift, and of all together where there are several."""
+        found = [() if isinstance(one, str) else read(one) for one in self.loads.values()]
+        if len(found) > 1:
+            found.append(tuple(map(sum, zip(*found, strict=True))) if all(found) else ())
+        spans = ([Amount(name, one) for one in values] for values in found)
+        return tuple(self.words.span(one[0], one[-1]) if one else "" for one in spans)
 
     def _numbers(self) -> TextTable:
         """Every named quantity of springs, lift and cam, and the open times."""
@@ -191,7 +194,11 @@ class CaseAnswer(ShownByRules):
         fig = panels((0.6, 0.4))
         fig.add_trace(line(np.degrees(angle), lift, "lift of the law", LEAD), 1, 1)
         fig.add_trace(line(np.degrees(angle), bend, "acceleration", SECOND), 2, 1)
-        return styled(fig, ANGLE, ("lift, mm", "mm/rad²"), 380)
+        return styled(fig, ANGLE, (f"{self._whose()} lift, mm", "mm/rad²"), 380)
+
+    def _whose(self) -> str:
+        law = self.facts.parameters.lift_law
+        return "" if law is None else law.lift_of
 
     def computed(self) -> Iterator[str]:
         """What the case says about itself."""

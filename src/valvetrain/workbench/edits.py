@@ -19,6 +19,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.loading import parse_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, read_assignment, set_value, with_values
+from valvetrain.parameters.schema_case import lend
 from valvetrain.units.text import clipped
 from valvetrain.workbench.starts import ASSUMED, FILE_KEYS, LAW_KEYS, LAW_STARTS
 
@@ -114,7 +115,7 @@ def with_law(text: str, kind: str, file: str = "") -> str:
             if "[lift_law]" not in text:  # dotted keys, which tomlkit does not remove all
                 del tree["lift_law"]
                 tree["lift_law"] = law = tomlkit.item(law.unwrap())
-        _lend(tree, law, fields)
+        lend(tree, law, fields)
         for name in [name for name in law if name not in fields]:
             del law[name]
         law["kind"] = kind
@@ -131,16 +132,6 @@ def with_law(text: str, kind: str, file: str = "") -> str:
                 law.pop("zero_of_angle", None)
 
     return changed(text, change)
-
-
-def _lend(tree: Any, law: Any, fields: Mapping[str, Any]) -> None:
-    """Give the train what it had from a ``law`` whose next kind has no such ``fields``."""
-    train = tree.get("train", {})
-    if "lash" in law and "lash" not in fields and train:
-        train.setdefault("lash", law["lash"])
-    lever = train.get("lever", {})
-    if "rocker_ratio" in law and lever and not {"ratio", "valve_arm"} & set(lever):
-        lever["ratio"] = law["rocker_ratio"]
 
 
 def with_name(text: str, name: str) -> str:
