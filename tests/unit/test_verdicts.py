@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from valvetrain import registry
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable
 
 
 class Answer(Saveable):

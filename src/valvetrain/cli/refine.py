@@ -81,7 +81,7 @@ def _saved_outcome(
     from valvetrain.solution.atomic import write_text
     from valvetrain.views.json import uncertainty_object
     from valvetrain.views.refinement import RefineAnswer
-    from valvetrain.views.uncertainty_tables import levels_table, uncertainty_table
+    from valvetrain.views.study_files import levels_table, uncertainty_table
 
     case, engine_speeds = request.case, request.engine_speeds
     if stopped:

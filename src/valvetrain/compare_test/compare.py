@@ -42,10 +42,9 @@ from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.display import verdict_first
+from valvetrain.solution.display import Reported, verdict_first
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.saveable import Reported
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem

@@ -26,9 +26,8 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.solution.atomic import checked_content
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
-from valvetrain.solution.display import verdict_first
+from valvetrain.solution.display import Reported, verdict_first
 from valvetrain.solution.netcdf import dataset_of, write_image
-from valvetrain.solution.saveable import Reported
 from valvetrain.units import dimension_of
 
 if TYPE_CHECKING:

@@ -20,8 +20,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.display import frame, verdict_first
-from valvetrain.solution.saveable import Reported
+from valvetrain.solution.display import Reported, frame, verdict_first
 from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
-from valvetrain.solution.display import frame
-from valvetrain.solution.saveable import Reported
+from valvetrain.solution.display import Reported, frame
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from valvetrain.film.cycles import CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.solution.saveable import Reported
+from valvetrain.solution.display import Reported
 
 Array = NDArray[np.float64]
 

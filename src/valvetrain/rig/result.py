@@ -14,7 +14,7 @@ from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
-from valvetrain.solution.saveable import Reported
+from valvetrain.solution.display import Reported
 
 Array = NDArray[np.float64]
 

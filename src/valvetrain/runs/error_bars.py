@@ -15,9 +15,8 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import DAMPING_FACTORS
-from valvetrain.solution.display import verdict_first
+from valvetrain.solution.display import Saveable, verdict_first
 from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.problem import Member

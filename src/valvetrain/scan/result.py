@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.fit import FittedSpring
-from valvetrain.solution.saveable import Reported
+from valvetrain.solution.display import Reported
 
 Array = NDArray[np.float64]
 

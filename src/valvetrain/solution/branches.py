@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from valvetrain.solution.critical import SpeedBracket
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable
 
 #: Share of the largest value of a branch by which rising and falling speed differ where both motions exist.
 DIFFERS = 0.02

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable
 
 if TYPE_CHECKING:
     import pandas

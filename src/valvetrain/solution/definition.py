@@ -123,19 +123,13 @@ def row(
     label: str,
     definition: str,
     *,
-    sense: Sense = "",
-    systems: Systems = (),
     dimension: str = "",
     shown_unit: str | None = None,
-    topic: str = "",
     uses: tuple[Use, ...] = (),
-    answered_as: tuple[str, ...] = (),
-    compute: Callable[[Any], float | None] | None = None,
-    remark: str = "",
-    physical: bool = True,
+    **more: Any,
 ) -> QuantityRow:
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last part of ``name``
-    where they are left out. Raises :class:`InputError` for an unknown use.
+    where they are left out; ``more``: its other fields. Raises :class:`InputError` for an unknown use.
     """
     if unknown := [use for use in uses if use not in get_args(Use)]:
         raise InputError(
@@ -144,10 +138,8 @@ def row(
     parts = name.split("_")
     last = parts[-2] if parts[-1] == "range" and len(parts) > 1 else parts[-1]
     default = BY_LAST_WORD.get(last, ("", ""))
-    return QuantityRow(
-        name, dimension or default[0], default[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
-        answered_as, compute, remark, physical,
-    )  # fmt: skip
+    unit = default[1] if shown_unit is None else shown_unit
+    return QuantityRow(name, dimension or default[0], unit, label, definition, uses=uses, **more)
 
 
 @cache

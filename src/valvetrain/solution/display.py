@@ -1,21 +1,25 @@
-"""Display of results in a terminal or a notebook: units, short text, small tables, frames, quick
-plots.
+"""Display of results in a terminal or a notebook: units, short text, small tables, frames, quick plots; and results that
+save themselves.
 """
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from numpy.typing import ArrayLike
 
 from valvetrain import registry
 from valvetrain.errors import MissingExtraError
+from valvetrain.registry import find
 
 if TYPE_CHECKING:
     import pandas
+
 
 #: SI unit -> shown unit and its factor; other units are shown as they are.
 SHOWN_UNITS = {
@@ -135,3 +139,39 @@ def heading(result: object) -> str:
     """The first line of the text of a result that is not its verdict."""
     sentence: str = registry.find("displays", "verdict")(result)
     return repr(result).removeprefix(sentence).strip().partition("\n")[0]
+
+
+class Saveable(Shown):
+    """A result with a table, a figure and a file of its own."""
+
+    __slots__ = ()
+
+    @property
+    def verdict(self) -> str:
+        """The result in one sentence, which opens its page and ends the answer of its command."""
+        sentence: str = find("displays", "verdict")(self)
+        return sentence
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write it to one NetCDF file (``.nc``), whole or not at all; :func:`valvetrain.load` reads
+        an equal one. A solution may be a CSV file (``.csv``) as well.
+        """
+        written: Path = find("files", "result")(self, path)
+        return written
+
+
+class Reported(Saveable):
+    """A result with a page, which is registered under ``report_word``."""
+
+    __slots__ = ()
+    report_word: ClassVar[str]
+
+    def report(self, folder: str | os.PathLike[str], **options: Any) -> Any:
+        """Write its page and data files to ``folder``.
+
+        Returns
+        -------
+        StudyFiles with the paths of page and data; raises :class:`InputError` for a folder that cannot
+        be written
+        """
+        return find("files", self.report_word)(self, Path(folder), **options)

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import frame, table, value_text
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable, frame, table, value_text
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.display import frame
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable, frame
 
 if TYPE_CHECKING:
     import pandas

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
-from valvetrain.solution.display import frame, span, value_text, verdict_first
+from valvetrain.solution.display import Saveable, frame, span, value_text, verdict_first
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
-from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Event, Fact, Status
 
 if TYPE_CHECKING:

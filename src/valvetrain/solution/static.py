@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import frame, span, value_text
+from valvetrain.solution.display import Saveable, frame, span, value_text
 from valvetrain.solution.modes import ModalResult, check_shapes
-from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import value_text, verdict_first
+from valvetrain.solution.display import Reported, value_text, verdict_first
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
@@ -25,7 +25,6 @@ from valvetrain.solution.quantity import (
     same_speed,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.solution.saveable import Reported
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Fact
 from valvetrain.solution.uncertainty import Comparison, ErrorBars, Finding

@@ -13,7 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable
 from valvetrain.spring_card.card import (
     GROUND,
     CatalogueCard,

@@ -18,7 +18,7 @@ from valvetrain.parameters.constructors import RAMP
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
-from valvetrain.solution.saveable import Saveable
+from valvetrain.solution.display import Saveable
 from valvetrain.spring_card.card import (
     POSSIBLE_INACTIVE,
     CatalogueCard,

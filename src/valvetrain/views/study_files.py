@@ -14,15 +14,17 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.parameters.summary import in_unit, rpm
+from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_netcdf
+from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.result import Solution, save_csv
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import Comparison
+from valvetrain.solution.uncertainty import Comparison, Uncertainty
 from valvetrain.views.files import FreeNames, remove_earlier
 
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the
@@ -303,3 +305,40 @@ def sweep_table(study: Study, label: str) -> str:
         values, unit = shown(name, study.series(label, name)[1])
         columns[f"{label_of(name)} [{unit}]" if unit else label_of(name)] = values
     return by_columns(columns)
+
+
+def uncertainty_table(rows: Sequence[Uncertainty]) -> str:
+    """All rows in SI for ``uncertainty.csv``; speed in rpm of the crank, nan for statics and modes."""
+    numbers = {
+        "value": [row.value for row in rows], "numerical uncertainty": [row.numerical for row in rows],
+        "observed order": [float("nan") if row.observed_order is None else row.observed_order for row in rows],
+        "extrapolated": [row.extrapolated for row in rows], "part of the step": [row.step_part for row in rows],
+        "least over contact stiffness": [row.contact_stiffness[0] for row in rows],
+        "largest over contact stiffness": [row.contact_stiffness[1] for row in rows],
+        "least over damping": [row.damping[0] for row in rows],
+        "largest over damping": [row.damping[1] for row in rows],
+    }  # fmt: skip
+    speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
+    units = [Quantity(row.quantity).unit for row in rows]
+    names: dict[str, ArrayLike] = {"quantity": [row.quantity for row in rows]}
+    if any(row.label for row in rows):
+        names["variant"] = [row.label for row in rows]
+    return by_columns({**names, "engine speed [rpm]": speeds, "unit": units, **numbers})
+
+
+def levels_table(study: UncertaintyStudy) -> str:
+    """Every number (SI) of every run behind the error bars for ``levels.csv``, as
+    :func:`uncertainty_table`.
+    """
+    found = [
+        (level, speed, name, value)
+        for level, by_speed in study.values.items()
+        for speed, numbers in by_speed.items()
+        for name, value in numbers.items()
+    ]
+    speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
+    names = [name for _, _, name, _ in found]
+    return by_columns({
+        "level": [level for level, _, _, _ in found], "engine speed [rpm]": speeds, "quantity": names,
+        "unit": [Quantity(name).unit for name in names], "value": [value for _, _, _, value in found],
+    })  # fmt: skip

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from valvetrain.findings.facts import LOST, TURN
+from valvetrain.findings.rules_train import CAUSES as WHY_LOST
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
@@ -22,9 +23,7 @@ CONTROL = (*LOST, "float", "bounce")
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
 #: Cause of an event -> its words.
 CAUSES: dict[str, str] = {
-    Cause.INERTIA: "inertia exceeds the spring force",
-    Cause.SURGE: "surge lowers the spring force",
-    Cause.VIBRATION: "the train vibrates",
+    **WHY_LOST,
     Cause.COILS_STRIKE: "coils meet under surge",
     Cause.COILS_REST: "coils come to rest on each other as the spring closes",
     Cause.FLANK_ENDS: "the lift ends",
