@@ -218,6 +218,7 @@ BUILT_IN["rules"] = {
     "static/static": "valvetrain.findings.rules_rest:STATIC",
     "modes/modes": "valvetrain.findings.rules_rest:MODES",
     "searched/speeds": "valvetrain.findings.rules_sweep:RULES",
+    "sweep/measured": "valvetrain.findings.rules_measured:RULES",
     "train/train": "valvetrain.findings.rules_train:RULES",
     "spring/spring": "valvetrain.findings.rules_spring:ALONE",
     "train/strikes": "valvetrain.findings.rules_spring:OF_TRAIN",
@@ -249,6 +250,7 @@ BUILT_IN["other_rules"] = {
 BUILT_IN["figures"] = {
     "run-up/run-up": "valvetrain.views.figures:RUN_UP",
     "searched/speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
+    "sweeps/spin": "valvetrain.views.over_speed:SPIN",
     "sweeps/forces": "valvetrain.views.over_speed:FORCES",
     "compare/models": "valvetrain.views.side_by_side:MODELS",
     "train/control": "valvetrain.views.figures:CONTROL",

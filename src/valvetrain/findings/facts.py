@@ -35,6 +35,8 @@ LOSSES = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 #: What decides blows and raw peaks, of which no error bar tells.
 CONSTANTS = "contact constants"
 LOST = ("loft", "loss-of-contact")
+#: Height of a bounce (m) that counts where the case sets no limit.
+BOUNCE = 100e-6
 #: Ranges of engine speed that a sentence names.
 SPANS = 3
 TURN = 2 * math.pi
@@ -97,7 +99,8 @@ class Facts:
             return max(0.0, value) if name in LOSSES else value
         still = self.study.still
         places = (still.get(key, {}) for key in (run.label, run.spring_set, run.model, ""))
-        return next((float(one[name]) for one in places if name in one), math.nan)
+        limits = {"permitted_bounce_height": BOUNCE, **dict(self.study.record.limits)}
+        return next((float(one[name]) for one in (*places, limits) if name in one), math.nan)
 
     def amount(self, run: Solution, name: str) -> Amount | None:
         """The same with its error bar; None where there is no such number."""
@@ -118,6 +121,13 @@ class Facts:
         for run in self.runs if runs is None else runs:
             if (one := self.amount(run, name)) is not None:
                 yield one, run
+
+    def of_label(self, label: str) -> list[Solution]:
+        """Runs of a label by engine speed, those of other models too."""
+        every = (*self.runs, *self.beyond, *self.others)
+        return sorted(
+            (run for run in every if run.label == label), key=lambda run: run.engine_speed
+        )
 
     # -- events ------------------------------------------------------------------------------------
 

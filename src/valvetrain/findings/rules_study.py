@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 
 from valvetrain.findings.engine import Fields, Hit, Rule
-from valvetrain.findings.facts import Facts
+from valvetrain.findings.facts import BOUNCE, Facts
 from valvetrain.findings.rules_train import (
     BARELY,
-    BOUNCE,
     CONTACT,
     FLOAT,
     LIMIT,

@@ -15,8 +15,8 @@ from valvetrain.quantities.loss_cause import FLIGHT, float_and_losses, leading_l
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 
-#: Lift above the path of rigid parts that is float, and height of a bounce that counts (m).
-FLOAT, BOUNCE = 50e-6, 100e-6
+#: Lift above the path of rigid parts that is float (m).
+FLOAT = 50e-6
 #: Share of the cam force of rigid parts below which what is left of it is little.
 BARELY = 0.2
 #: Said where some models keep contact and others lose it, and of a loss that is no flight.
@@ -140,11 +140,11 @@ def lands(facts: Facts, run: Solution) -> Hit | None:
     return Hit(facts.amount(run, "seating_cam_angle"), run, None, fields, run.engine_speed)
 
 
-bounced = above("bounce_height", BOUNCE)
+bounced = above("bounce_height", "permitted_bounce_height")
 
 
 def bounces(facts: Facts) -> Iterator[Hit]:
-    """The valve bounces off its seat by more than 0.1 mm."""
+    """The valve bounces off its seat by more than the limit of the case, else 0.1 mm."""
     for hit in bounced(facts):
         yield (
             hit
@@ -267,6 +267,8 @@ RULES = (
          "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "C10")),
     Rule("C110", "warns", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
          remark="bounces", guide="how-to/10-seating.md", unless=("C105",)),
+    Rule("C111", "warns", "a contact opens by {value}[ {at}], above your limit of {limit}", above("loft_gap", "permitted_loft_gap"),
+         ("loft_gap",), remark="above {limit}", guide="how-to/09-loft.md"),
     Rule("P102", "warns", "{value} left to the piston[ {at}]", below(PISTON[0], NEAR_PISTON), PISTON, remark="close",
          unless=("P101",)),
     Rule("V101", "warns", "the valve lands at {value}[ {at}], above your limit of {limit}",

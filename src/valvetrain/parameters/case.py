@@ -29,6 +29,7 @@ from valvetrain.parameters.installed_spring import (
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
+    PositiveLength,
     Table,
     guarded,
     problem,
@@ -44,7 +45,7 @@ from valvetrain.units import believed, si, si_speeds
 
 #: Fields of a case that change none of its numbers.
 _TEXTS = (
-    "name", "title", "description", "notes", "sources", "remarks", "published", "text", "changed",
+    "name", "title", "description", "notes", "sources", "remarks", "published", "text", "changed", "limits",
 )  # fmt: skip
 #: Fields of its parts that change none where the case does not give them.
 _NO_NUMBER = (
@@ -136,7 +137,7 @@ def point_problem(
 
 
 __all__ = [
-    "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters",
+    "Case", "CaseSummary", "CoilContact", "DampingParameters", "InstalledSpring", "LiftLawParameters", "Limits",
     "Note", "Operation", "PublishedValue", "Rubbing",
 ]  # fmt: skip
 
@@ -214,6 +215,16 @@ class Operation(Table):
         return self.red_line or max(self.engine_speeds, default=0.0)
 
 
+@table("the limits")
+class Limits(Table):
+    """What a shop accepts on its spin rig: ``bounce`` of the valve off its seat and ``loft``, the gap of an open contact (m).
+    They judge results and move nothing.
+    """
+
+    bounce: PositiveLength | None = Field(default=None, description="without it 0.1 mm")
+    loft: PositiveLength | None = Field(default=None, description="without it none")
+
+
 def _rpm(speed: float) -> str:
     return f"{speed * 30 / math.pi:.12g} rpm"
 
@@ -253,6 +264,7 @@ class Case:
     rubbing: Rubbing = Rubbing()
     lift_law: LiftLawParameters | None = None
     operation: Operation = Operation()
+    limits: Limits = Limits()
     train: TrainParameters | None = None
     published: tuple[PublishedValue, ...] = ()
     notes: Mapping[str, Note] = field(default_factory=FrozenMapping)
@@ -349,6 +361,14 @@ class Case:
             red_line=self.operation.red_line,
             top_speed=self.operation.top_speed,
             digest=self.digest,
+            limits=tuple(
+                (name, value)
+                for name, value in (
+                    ("permitted_bounce_height", self.limits.bounce),
+                    ("permitted_loft_gap", self.limits.loft),
+                )
+                if value is not None
+            ),
             assumed=tuple(
                 _called(key) for key, note in self.notes.items() if note.status == "assumed"
             ),

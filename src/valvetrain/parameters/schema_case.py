@@ -15,7 +15,7 @@ from pydantic import Field, PlainValidator, ValidationInfo, field_validator, mod
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes, named_file
-from valvetrain.parameters.case import Case, Note, Operation, point_problem
+from valvetrain.parameters.case import Case, Limits, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import LiftField, LiftLawParameters, LiftModel
@@ -186,6 +186,7 @@ class CaseModel(StrictModel):
     rubbing: Rubbing = Rubbing()
     lift_law: LiftField | None = None
     operation: Operation = Operation()
+    limits: Limits = Limits()
     train: TrainParameters | None = None
     points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
@@ -278,6 +279,7 @@ class CaseModel(StrictModel):
             rubbing=self.rubbing,
             lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
             operation=self.operation,
+            limits=self.limits,
             train=self.train,
             published=tuple(value for group in published for value in group),
             notes=notes,

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from valvetrain.errors import InputError
@@ -25,6 +26,7 @@ from valvetrain.runs.request_fields import (
     read_limit,
     read_models,
     read_names,
+    read_path,
     read_positive,
     read_speed,
     read_speeds,
@@ -257,6 +259,12 @@ class Sweep(SpeedRequest):
         "Repeat each critical speed with finer numerics and other damping.",
         "--ranges/--no-ranges",
         default=True,
+    )
+    measured: Path | None = option(
+        read_path,
+        "Bounce and loft of a spin rig over engine speed (CSV), laid over the sweep.",
+        "--measured",
+        "FILE",
     )
     whole: bool = option(read_switch, "Store the channels of every solution.", default=False)
 

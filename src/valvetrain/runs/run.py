@@ -12,6 +12,7 @@ import numpy as np
 
 from valvetrain.errors import RunFailedError
 from valvetrain.integrate.contract import Keep
+from valvetrain.measured.speed_table import read_speed_table
 from valvetrain.runs.critical_speeds import find_critical_speeds
 from valvetrain.runs.facts import run_between, study_facts, with_facts
 from valvetrain.runs.own_error_bars import own_error_bars
@@ -74,6 +75,7 @@ def sweep_study(request: Sweep, watch: Watch = Watch()) -> Study:
     By default the spring set that a train names, every one where it names none, each by its own
     model; a spring alone by its default models. Raises :class:`InputError` for what cannot be built.
     """
+    measured = None if request.measured is None else read_speed_table(request.measured)
     case, speeds = request.case, tuple(sorted(request.with_speeds().engine_speeds or ()))
     sets = request.spring_sets or (case.train.swept_sets if case.train is not None else ())
     problem = build(case, spring_models=request.models, spring_set=sets)
@@ -81,6 +83,7 @@ def sweep_study(request: Sweep, watch: Watch = Watch()) -> Study:
         study = _with_critical(run_problem(problem, speeds, request, watch))
     except StudyStopped as stop:
         raise StudyStopped(_with_critical(stop.study)) from None
+    study = replace(study, measured=measured)
     return study if request.requested is None else request.requested.of_study(study)
 
 

@@ -147,7 +147,8 @@ class CaseRecord:
     ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
     where the case gives them. ``red_line`` (rad/s of the crank): the highest speed in use. ``top_speed``: that,
     else the highest engine speed that the case names, else 0. ``digest``: short fingerprint of what the case says.
-    ``assumed``: what is called assumed in the file, such as "valve mass".
+    ``assumed``: what is called assumed in the file, such as "valve mass". ``limits``: name and number (SI) of
+    each limit that the case sets on what a spin rig measures.
     """
 
     name: str
@@ -165,3 +166,4 @@ class CaseRecord:
     red_line: float | None = None
     top_speed: float = 0.0
     assumed: tuple[str, ...] = ()
+    limits: tuple[tuple[str, float], ...] = ()

@@ -25,6 +25,7 @@ from valvetrain.solution.quantity import (
     same_speed,
 )
 from valvetrain.solution.result import Solution
+from valvetrain.solution.speed_curve import SpeedCurve
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Fact
 from valvetrain.solution.uncertainty import Comparison, ErrorBars, Finding
@@ -65,7 +66,7 @@ class Study(Reported):
     ``error_bars``: of the numbers of its runs, those that are stored
     beside a library case and those that were requested. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
     frequency; no points of its curves. ``train_modes``: those of a train with its springs, by pairs with the
-    valve closed and at full lift, where modes were asked for.
+    valve closed and at full lift, where modes were asked for. ``measured``: what a test gave over the speeds of a sweep.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -95,6 +96,7 @@ class Study(Reported):
     error_bars: ErrorBars = ErrorBars()
     between: tuple[Solution, ...] = ()
     train_modes: tuple[TrainModes, ...] = ()
+    measured: SpeedCurve | None = None
 
     @property
     def interruption(self) -> str:

@@ -71,7 +71,7 @@ def reader_unit(unit: str) -> str:
     ('lbf/in', 'deg', 'g')
     >>> request_units("si")
     """
-    if shown_system() == "si" or not unit:
+    if shown_system() == "si" or unit in ("", "thou"):
         return unit
     try:
         return IMPERIAL.get(dimension_of(_read(unit)) or "", unit)

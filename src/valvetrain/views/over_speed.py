@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +10,22 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_measured import LIMITED, limit_of
 from valvetrain.findings.words import NOTHING, RPM
-from valvetrain.solution.result import Solution
-from valvetrain.views.style import BAD, LEAD, OK, SECOND, SPEEDS, FigureSpec, line, panels, styled
+from valvetrain.units import to_unit
+from valvetrain.units.reader import shown_system
+from valvetrain.views.style import (
+    BAD,
+    LEAD,
+    OK,
+    SECOND,
+    SPEEDS,
+    FigureSpec,
+    dots,
+    line,
+    panels,
+    styled,
+)
 
 #: Kind of critical speed -> what is said of its bar, its colour, and the finding that explains it.
 LOST = {
@@ -168,16 +180,58 @@ def _curve(
         return line(
             [one[0] / RPM for one in curve], [one[place] for one in curve], word, colour, dash
         )
-    runs = _of(facts, label)
+    runs = facts.of_label(label)
     values = [facts.value(run, name) for run in runs]
     trace = line([run.engine_speed / RPM for run in runs], values, word, colour, dash)
     return trace.update(mode="lines+markers", marker={"size": 4})
 
 
-def _of(facts: Facts, label: str) -> Sequence[Solution]:
-    """Runs of a label by engine speed, those of other models too."""
-    every: Iterable[Solution] = (*facts.runs, *facts.beyond, *facts.others)
-    return sorted((run for run in every if run.label == label), key=lambda run: run.engine_speed)
+def spin(facts: Facts) -> go.Figure | None:
+    """Bounce and loft over engine speed as a spin rig shows them, with the limits of the case and what was measured."""
+    test = facts.study.measured
+    every = [run for label in facts.lead_labels for run in facts.of_label(label)]
+    names = {
+        name: word
+        for name, (word, _) in LIMITED.items()
+        if (test and name in test.values) or any(facts.value(run, name) > 0 for run in every)
+    }
+    if not (facts.train and names and len(facts.study.engine_speeds) > 1):
+        return None
+    unit = "mm" if shown_system() == "si" else "thou"
+    fig, several = panels((1.0,) * len(names)), len(facts.lead_labels) > 1
+    for row, (name, word) in enumerate(names.items(), start=1):
+        for label, colour in zip(facts.lead_labels, SPEEDS * len(facts.lead_labels), strict=False):
+            curve = _curve(facts, label, name, f"{word}{f', {label}' if several else ''}", colour)
+            fig.add_trace(
+                curve.update(y=to_unit(curve.y, unit), showlegend=row == 1 or not several), row, 1
+            )
+        if test and name in test.values:
+            at = np.array(test.engine_speeds) / RPM
+            fig.add_trace(
+                dots(
+                    at,
+                    to_unit(np.array(test.values[name]), unit),
+                    f"{word}, {test.source or 'test'}",
+                    BAD,
+                ).update(marker_size=7),
+                row,
+                1,
+            )
+        if math.isfinite(limit := limit_of(facts, name)):
+            fig.add_hline(
+                to_unit(limit, unit),
+                line={"color": BAD, "width": 1.2, "dash": "dot"},
+                row=row,
+                col=1,
+            )
+    _red_line(fig, facts)
+    styled(
+        fig,
+        "engine speed, rpm",
+        tuple(f"{word}, {unit}" for word in names.values()),
+        200 + 130 * len(names),
+    )
+    return fig.update_yaxes(rangemode="tozero").update_xaxes(tickformat="d")
 
 
 def forces(facts: Facts) -> go.Figure | None:
@@ -199,7 +253,7 @@ def forces(facts: Facts) -> go.Figure | None:
 def order_map(facts: Facts) -> go.Figure | None:
     """Amplitude (N) of each cam order of the spring force over engine speed, with the line of the surge frequency."""
     label = facts.first_label
-    runs = [run for run in _of(facts, label) if "surge_order_3_force" in run.quantities]
+    runs = [run for run in facts.of_label(label) if "surge_order_3_force" in run.quantities]
     if len(runs) < 3:
         return None
     at = [run.engine_speed / RPM for run in runs]
@@ -226,6 +280,9 @@ def order_map(facts: Facts) -> go.Figure | None:
 
 SPEEDS_FIGURE = FigureSpec(
     "Where control is lost", "bars: ranges of engine speed; below: forces of every run", speeds
+)
+SPIN = FigureSpec(
+    "Bounce and loft over engine speed", "dotted: limits; points: what was measured", spin
 )
 FORCES = FigureSpec("Forces over engine speed", "below 10 kHz", forces)
 ORDER_MAP = FigureSpec(

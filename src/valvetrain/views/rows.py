@@ -23,7 +23,7 @@ from valvetrain.findings.rules_sweep import (
     pair,
     reached,
 )
-from valvetrain.findings.rules_train import BOUNCE, FLOAT, NEAR_PISTON
+from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON
 from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
@@ -106,7 +106,7 @@ ROWS = (
     Row("coil on coil", ("{surge_clash_peak_force}",), "hardest blow", "spring"),
     Row("coil on coil", ("{surge_clash_peak_force}", "{clash_count} blows"), "hardest blow", "train"),
     Row("landing", ("{seating_velocity}",), of="train", limit=Limit("seating_velocity", "permitted_seating_velocity")),
-    Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", BOUNCE)),
+    Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", "permitted_bounce_height")),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
     Row("spring", (SEAT,), of="train"),
     Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),

@@ -1,0 +1,71 @@
+"""Rules on a measured curve over a sweep (Y): whether model and test pass the limit at one engine speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from valvetrain.findings.engine import Condition, Hit, Rule
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_train import FLOAT
+from valvetrain.findings.words import RPM, Amount, about
+from valvetrain.solution.speed_curve import Passing, passing
+
+#: What a spin rig measures -> its name, and the limit (m) where the case sets none.
+LIMITED = {"bounce_height": ("bounce", math.nan), "loft_gap": ("loft", FLOAT)}
+SPEED = "contact_loss_engine_speed"
+
+
+def limit_of(facts: Facts, name: str) -> float:
+    """The limit (m) of what a spin rig measures: that of the case, else the usual one."""
+    limit = facts.value(facts.runs[0], f"permitted_{name}") if facts.runs else math.nan
+    return limit if math.isfinite(limit) else LIMITED[name][1]
+
+
+def compared(same: bool, doc: str) -> Condition:
+    """A condition on each measured quantity: test and model pass its limit between the same points, or neither does."""
+
+    def hits(facts: Facts) -> Iterator[Hit]:
+        test, runs = facts.study.measured, facts.of_label(facts.first_label)
+        for name, (word, _) in LIMITED.items() if test and runs else ():
+            if test is None or name not in test.values:
+                continue
+            first, last = runs[0].engine_speed, runs[-1].engine_speed
+            within = [
+                (speed, value)
+                for speed, value in zip(test.engine_speeds, test.values[name], strict=True)
+                if first <= speed <= last and math.isfinite(value)
+            ]
+            if len(within) < 2:
+                continue
+            speeds = [run.engine_speed for run in runs if run.engine_speed <= within[-1][0]]
+            limit = limit_of(facts, name)
+            model = passing(speeds, [facts.value(run, name) for run in runs[: len(speeds)]], limit)
+            rig = passing([speed for speed, _ in within], [value for _, value in within], limit)
+            if _agree(model, rig) is same:
+                apart = abs(model.speed - rig.speed) if model and rig else 0.0
+                yield Hit(Amount(SPEED, apart), None, limit, {
+                    "name": word, "bound": Amount(name, limit), "test": _said(rig, within[-1][0]),
+                    "model": _said(model, within[-1][0]), "apart": f"{apart / RPM:.0f} rpm" if apart else "",
+                })  # fmt: skip
+
+    hits.__doc__ = doc
+    return hits
+
+
+def _agree(model: Passing | None, test: Passing | None) -> bool:
+    if model is None or test is None:
+        return model is test
+    return model.low <= test.high and test.low <= model.high
+
+
+def _said(one: Passing | None, last: float) -> str:
+    return f"not to {about(last)} rpm" if one is None else f"from about {about(one.speed)} rpm"
+
+
+BOTH = "{name} above {bound}: test {test}, model {model}[, {apart} apart]"
+RULES = (
+    Rule("Y102", "warns", f"test and model differ, {BOTH}", compared(False, "Test and model pass the limit between different points."),
+         step="valvetrain study --parts {case}"),
+    Rule("Y101", "notes", f"test and model agree, {BOTH}", compared(True, "Test and model pass the limit between the same points, or neither does.")),
+)  # fmt: skip
