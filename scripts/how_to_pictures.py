@@ -56,8 +56,8 @@ def margin_over_speed() -> go.Figure:
         (vt.load_case("tdi-pushrod", best), "200 N closed, 375 N open (the search)", SECOND),
     ):
         swept = vt.sweep(case, "4000:8000:250 rpm", models=["multi-mass"], spring_sets=["stock"], critical_speeds=False)  # fmt: skip
-        speeds, ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
-        curves.append(curve(speeds * RPM, ratio, words, colour))
+        ratio = swept.series(swept.labels[0], "minimum_spring_margin_ratio")
+        curves.append(curve(ratio.engine_speed, ratio, words, colour))
     rules = (("y", 1.2, "required: 1.2"), ("y", 1.0, "1: contact is lost"), ("x", 6500.0, "6500 rpm"))  # fmt: skip
     y = "least spring force over what slows the valve"
     return drawn("Spring margin over engine speed, rigid parts", [Panel(SPEED, y, curves, rules=rules)])  # fmt: skip
@@ -71,10 +71,10 @@ def loss_and_float() -> go.Figure:
 
 def surge_over_speed() -> go.Figure:
     swept = vt.sweep(template("spring"), "2000:7200:50 rpm", models=["reduced-rod"])
-    speeds, surge = swept.series("reduced-rod", "surge_amplitude_force")
+    surge = swept.series("reduced-rod", "surge_amplitude_force")
     frequency = swept.solutions[0].quantities["surge_frequency"]
     rules = [("x", 120 * frequency / order, str(order)) for order in range(10, 22)]
-    panel = Panel(SPEED, "surge amplitude, N (0 to peak)", [curve(speeds * RPM, surge)], "", rules, (2900, 7200), (0, 30))  # fmt: skip
+    panel = Panel(SPEED, "surge amplitude, N (0 to peak)", [curve(surge.engine_speed, surge)], "", rules, (2900, 7200), (0, 30))  # fmt: skip
     return drawn(f"Surge of the template spring ({frequency:.0f} Hz); dotted: cam orders that meet it", [panel])  # fmt: skip
 
 
@@ -186,8 +186,8 @@ def tappet_force() -> go.Figure:
         ("minimum_cam_contact_force", "least force on the tappet while open, N", 1.0),
         ("loss_of_contact_duration", "time without contact, ms per cycle", 1e3),
     ):
-        speeds, values = swept.series(swept.labels[0], name)
-        panels.append(Panel(SPEED, words, [curve(speeds * RPM, values * factor)]))
+        values = swept.series(swept.labels[0], name)
+        panels.append(Panel(SPEED, words, [curve(values.engine_speed, values * factor)]))
     return drawn("Template pushrod train: when is the tappet unloaded?", panels)
 
 

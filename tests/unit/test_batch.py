@@ -113,7 +113,7 @@ def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
     found = sweep(case, [300.0, 500.0], spring_sets=("stock",), models=("massless",), workers=1)
     (sentence,) = found.failures
     assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
-    _, velocity = found.series(found.labels[0], "seating_velocity")
+    velocity = found.series(found.labels[0], "seating_velocity").values
     assert np.isfinite(velocity[0]) and np.isnan(velocity[1])
 
 

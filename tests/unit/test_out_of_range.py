@@ -104,6 +104,6 @@ def test_a_sweep_shows_such_a_speed_as_failed_and_gives_it_no_point():
     )
     calm, thrown = sweep.solutions
     assert calm.status.completed and thrown.status.code == "out-of-range"
-    _, lost = sweep.series(calm.label, "peak_cam_contact_force")
+    lost = sweep.series(calm.label, "peak_cam_contact_force").values
     assert np.isfinite(lost[0]) and np.isnan(lost[1]) and not thrown.quantities
     assert any("14000 rpm: out-of-range" in line for line in sweep.failures)

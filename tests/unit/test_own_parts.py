@@ -268,7 +268,7 @@ def test_a_run_and_a_page_of_a_model_in_python_are_those_of_any_model(tmp_path):
         and "nan" not in str(vt.views.study_json(study)).lower()
     )
     sweep = card(True).sweep("3000, 4000 rpm", Linear(), critical_speeds=False)
-    assert np.all(sweep.series("Linear", "peak_cam_contact_force")[1] > 0)
+    assert np.all(sweep.series("Linear", "peak_cam_contact_force") > 0)
 
 
 def wrong_shape(compression):

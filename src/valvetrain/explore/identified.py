@@ -200,7 +200,10 @@ class Identified(Reported):
         units = {one.key: one.unit for one in (*self.predictions, *self.predicted)}
         for key, values in self.computed.items():
             data[f"computed {key}"] = ("draw", values, {"units": si_unit(units.get(key, ""))})
-        data |= {"weight": ("draw", self.weights), "branch": ("draw", self.branch_of)}
+        data |= {
+            "weight": ("draw", self.weights, {"units": "1"}),
+            "branch": ("draw", self.branch_of),
+        }
         return xarray.Dataset(data, attrs={"method": self.method, "title": self.name})
 
     def to_arviz(self, draws: int = 1000, seed: int = 1) -> Any:

@@ -22,34 +22,33 @@ def limit_of(facts: Facts, name: str) -> float:
     return limit if math.isfinite(limit) else LIMITED[name][1]
 
 
-def compared(same: bool, doc: str) -> Condition:
-    """A condition on each measured quantity: test and model pass its limit between the same points, or neither does."""
+def compared(name: str, same: bool) -> Condition:
+    """A condition on a measured quantity: test and model pass its limit between the same points, or neither does."""
 
     def hits(facts: Facts) -> Iterator[Hit]:
         test, runs = facts.study.measured, facts.of_label(facts.first_label)
-        for name, (word, _) in LIMITED.items() if test and runs else ():
-            if test is None or name not in test.values:
-                continue
-            first, last = runs[0].engine_speed, runs[-1].engine_speed
-            within = [
-                (speed, value)
-                for speed, value in zip(test.engine_speeds, test.values[name], strict=True)
-                if first <= speed <= last and math.isfinite(value)
-            ]
-            if len(within) < 2:
-                continue
-            speeds = [run.engine_speed for run in runs if run.engine_speed <= within[-1][0]]
-            limit = limit_of(facts, name)
-            model = passing(speeds, [facts.value(run, name) for run in runs[: len(speeds)]], limit)
-            rig = passing([speed for speed, _ in within], [value for _, value in within], limit)
-            if _agree(model, rig) is same:
-                apart = abs(model.speed - rig.speed) if model and rig else 0.0
-                yield Hit(Amount(SPEED, apart), None, limit, {
-                    "name": word, "bound": Amount(name, limit), "test": _said(rig, within[-1][0]),
-                    "model": _said(model, within[-1][0]), "apart": f"{apart / RPM:.0f} rpm" if apart else "",
-                })  # fmt: skip
+        if test is None or name not in test.values or not runs:
+            return
+        first, last = runs[0].engine_speed, runs[-1].engine_speed
+        pairs = zip(test.engine_speeds, test.values[name], strict=True)
+        within = [
+            (at, value) for at, value in pairs if first <= at <= last and math.isfinite(value)
+        ]
+        if len(within) < 2:
+            return
+        end, limit = within[-1][0], limit_of(facts, name)
+        runs = [run for run in runs if run.engine_speed <= end]
+        model = passing([run.engine_speed for run in runs], [facts.value(run, name) for run in runs], limit)  # fmt: skip
+        rig = passing([at for at, _ in within], [value for _, value in within], limit)
+        if _agree(model, rig) is same:
+            apart = abs(model.speed - rig.speed) if model and rig else 0.0
+            yield Hit(Amount(SPEED, apart), None, limit, {
+                "bound": Amount(name, limit), "test": _said(rig, end), "model": _said(model, end),
+                "apart": f"{apart / RPM:.0f} rpm" if apart else "",
+            })  # fmt: skip
 
-    hits.__doc__ = doc
+    where = "the same points, or neither does" if same else "different points"
+    hits.__doc__ = f"Test and model pass the limit of {LIMITED[name][0]} between {where}."
     return hits
 
 
@@ -63,9 +62,10 @@ def _said(one: Passing | None, last: float) -> str:
     return f"not to {about(last)} rpm" if one is None else f"from about {about(one.speed)} rpm"
 
 
-BOTH = "{name} above {bound}: test {test}, model {model}[, {apart} apart]"
+BOTH = " above {bound}: test {test}, model {model}[, {apart} apart]"
 RULES = (
-    Rule("Y102", "warns", f"test and model differ, {BOTH}", compared(False, "Test and model pass the limit between different points."),
-         step="valvetrain study --parts {case}"),
-    Rule("Y101", "notes", f"test and model agree, {BOTH}", compared(True, "Test and model pass the limit between the same points, or neither does.")),
+    *(Rule(f"Y10{2 * place + 2}", "warns", f"test and model differ, {LIMITED[name][0]}{BOTH}", compared(name, False),
+           step="valvetrain study --parts {case}") for place, name in enumerate(LIMITED)),
+    *(Rule(f"Y10{2 * place + 1}", "notes", f"test and model agree, {LIMITED[name][0]}{BOTH}", compared(name, True))
+      for place, name in enumerate(LIMITED)),
 )  # fmt: skip

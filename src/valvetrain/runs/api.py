@@ -159,9 +159,9 @@ def sweep(
     --------
     >>> import valvetrain as vt
     >>> study = vt.sweep("job-t", "1000:3000:1000 rpm", models=["massless"])
-    >>> speeds, force = study.series("massless", "peak_spring_force")
-    >>> len(speeds), round(force[0])
-    (3, 522)
+    >>> force = study.series("massless", "peak_spring_force")
+    >>> [round(float(one)) for one in force.engine_speed], round(float(force[0])), force.attrs["units"]
+    ([1000, 2000, 3000], 522, 'N')
     """
     given = {"case": case, "engine_speeds": engine_speeds, "models": models, **options}
     return sweep_study(affordable(Sweep.read(given)), Watch(progress))

@@ -86,9 +86,9 @@ def run_up(
     --------
     >>> import valvetrain as vt
     >>> study = vt.run_up("tdi-pushrod", "2000 rpm", "2400 rpm", "0.2 s", models="massless", spring_sets="stock")
-    >>> speeds, force = study.series("massless", "peak_cam_contact_force")
-    >>> len(speeds), [round(float(speed) * 30 / 3.14159) for speed in speeds[:2]]
-    (4, [2058, 2172])
+    >>> force = study.series("massless", "peak_cam_contact_force")
+    >>> len(force), [round(float(speed)) for speed in force.engine_speed[:2]], force.attrs["units"]
+    (4, [2058, 2172], 'N')
     """
     ends = {"first_engine_speed": first_engine_speed, "last_engine_speed": last_engine_speed}
     request = RunUp.read({"case": case, **ends, "duration": duration, **options})
@@ -245,11 +245,14 @@ def _lost(study: Study, label: str) -> dict[str, float]:
     """Engine speeds (rad/s) of the first revolution that loses contact while the valve is open, and
     of the first of two that float.
     """
-    speeds, least = study.series(label, "minimum_cam_contact_force")
-    _, excess = study.series(label, "float_excess_lift")
+    runs = study.runs(label)
+    least, excess = (
+        study.series(label, name).values
+        for name in ("minimum_cam_contact_force", "float_excess_lift")
+    )
     floats = excess > CriticalOptions().float_lift  # False for a revolution without numbers
     indices = {
         "contact_loss_engine_speed": np.flatnonzero(least <= 0),
         "float_engine_speed": np.flatnonzero(floats[:-1] & floats[1:]),
     }
-    return {name: float(speeds[found[0]]) for name, found in indices.items() if len(found)}
+    return {name: runs[found[0]].engine_speed for name, found in indices.items() if len(found)}

@@ -135,16 +135,16 @@ class Quantities(Mapping[Quantity, float]):
         return table(repr(self).partition("\n")[0], ("quantity", "run", "value"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row per value (SI): quantity, label, engine_speed (rad/s of the crank, missing where
+        """One row per value (SI): quantity, label, engine_speed (rpm of the crank, missing where
         none applies), value, unit.
         """
         keys = list(self._values)
         columns: dict[str, ArrayLike] = {
             "quantity": [key.name for key in keys], "label": [key.label for key in keys],
-            "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed for key in keys], dtype=float),
+            "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed * 30 / np.pi for key in keys], dtype=float),
             "value": np.array(list(self._values.values()), dtype=float), "unit": [key.unit for key in keys],
         }  # fmt: skip
-        return frame(columns, units={"engine_speed": "rad/s"})
+        return frame(columns, units={"engine_speed": "rpm"})
 
     def __reduce__(self) -> tuple[object, ...]:
         return Quantities, (self._values,)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.definition import is_defined
+from valvetrain.solution.definition import definition_of, is_defined
 from valvetrain.solution.display import Reported, value_text, verdict_first
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -33,6 +33,7 @@ from valvetrain.units import Given
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 Array = NDArray[np.float64]
 #: What a gap of a study that was stopped begins with.
@@ -148,7 +149,7 @@ class Study(Reported):
         ]
 
     def to_pandas(self) -> pandas.DataFrame:
-        """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""
+        """All named numbers (SI), one row each: quantity, label, engine_speed (rpm), value, unit."""
         return self.quantities.to_pandas()
 
     @property
@@ -201,8 +202,9 @@ class Study(Reported):
             )
         )
 
-    def series(self, label: str, quantity: str) -> tuple[Array, Array]:
-        """Engine speeds (rad/s) and one quantity (SI) over them, NaN where a run does not give it.
+    def series(self, label: str, quantity: str) -> xarray.DataArray:
+        """One quantity (SI) of a label over ``engine_speed`` (rpm of the crank), NaN where a run does not give it; its unit
+        and that of the speeds are in ``attrs["units"]``.
 
         Raises :class:`InputError` for a label or a quantity that no run has, with the nearest.
         """
@@ -217,9 +219,16 @@ class Study(Reported):
             raise UnknownNameError(
                 quantity, (name for run in runs for name in run.quantities), "quantity"
             )
-        return np.array([run.engine_speed for run in runs]), np.array(
-            [run.quantities.get(quantity, np.nan) for run in runs]
-        )
+        import xarray
+
+        speeds = np.array([run.engine_speed * 30 / np.pi for run in runs])
+        axis = {
+            "engine_speed": ("engine_speed", speeds, {"units": "rpm", "long_name": "engine speed"})
+        }
+        values = np.array([run.quantities.get(quantity, np.nan) for run in runs])
+        row = definition_of(quantity)
+        named = {"units": row.si_unit or "1", "long_name": row.label}
+        return xarray.DataArray(values, axis, ("engine_speed",), quantity, named)
 
     def at_rest(self, model: str = "", spring: str = "") -> SpringAtRest | None:
         """The first spring at rest by ``model`` and name, either left out where it does not matter."""

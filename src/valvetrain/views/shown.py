@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # a list of files loads none of these
     from valvetrain.views.style import FigureSpec
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
-SAID = ("M", "H", "W", "F", "N", "Q", "J")
+SAID = ("M", "H", "W", "F", "N", "Q", "J", "Y")
 #: How next steps begin that take ``--units``.
 WITH_UNITS = tuple(f"valvetrain {one} " for one in (
     "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "study --parts",
