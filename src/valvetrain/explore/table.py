@@ -213,7 +213,7 @@ class StudyTable(Reported):
         status = np.full(shape, "not requested", dtype="U16")
         status[cells] = np.reshape([one.code for one in self.statuses], (-1, len(runs)))
         coordinates: dict[str, Any] = {
-            "speed": ("speed", np.array(axes[0], dtype=float) * 30 / np.pi, {"units": "rpm"}), "model": axes[1], "spring_set": axes[2],
+            "speed": ("speed", np.round(np.array(axes[0], dtype=float) * 30 / np.pi, 6), {"units": "rpm"}), "model": axes[1], "spring_set": axes[2],
         } | {
             one.name: ("point", column, {"units": one.si_unit or "1", "long_name": one.shown_name})
             for one, column in zip(self.plan.varied, self.inputs[:: len(runs)].T, strict=True)
@@ -225,20 +225,20 @@ class StudyTable(Reported):
         return dataset.isel(dropped, drop=True)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A frame with inputs, engine speed (rpm), model, spring set, outputs (SI) and
+        """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and
         status; needs pandas.
         """
         speeds, models, sets = zip(*self.runs, strict=True) if self.runs else ((), (), ())
         names = [one.name for one in self.plan.varied]
         columns: dict[str, Any] = dict(zip(names, self.inputs.T, strict=True))
-        columns["engine_speed"] = (
-            np.array(columns.get("engine_speed", speeds), dtype=float) * 30 / np.pi
-        )
+        columns.setdefault("engine_speed", np.array(speeds, dtype=float))
         columns |= {"spring_model": list(models), "spring_set": list(sets)}
         columns |= dict(zip(self.outputs, self.values.T, strict=True))
         columns["status"] = [one.code for one in self.statuses]
         columns["reason"] = ["" if one.completed else one.sentence() for one in self.statuses]
-        units = {one.name: one.si_unit or "1" for one in self.plan.varied} | {"engine_speed": "rpm"}
+        units = {"engine_speed": "rad/s"} | {
+            one.name: one.si_unit or "1" for one in self.plan.varied
+        }
         return frame(
             columns,
             units=units | {name: definition_of(name).si_unit or "1" for name in self.outputs},

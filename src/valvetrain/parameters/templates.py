@@ -16,13 +16,6 @@ KINDS = {"spring": "a spring alone"} | TITLES
 
 #: Kind -> whose lift its cam card gives.
 CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
-#: Comments of a template at which its lift law, the speeds, the contacts and the end begin.
-_LAW, _SPEEDS, _CONTACTS = "# The lift of", "# Speeds of the crank", "# Contacts. Other laws"
-_STEEL = """# Contacts between steel parts of typical size, or a table for each place; friction alone: {place}.friction_coefficient = 0.06.
-[train.contacts]
-others = "steel"
-
-"""
 
 
 def template_kind(name: str) -> str:
@@ -50,23 +43,7 @@ def template_text(kind: str, cards: bool = False) -> str:
     >>> "[spring]" in template_text("spring")
     True
     """
-    kind = template_kind(kind)
-    text = _text(kind)
-    if not cards or kind == "spring":
-        return text
-    if kind == "pushrod":  # which is by cards already
-        return text.replace(
-            "# Another set, known", f"{_text('cards/dual').lstrip()}\n# Another set, known", 1
-        )
-    head, rest = text.split(_LAW, 1)
-    middle = rest[rest.index(_SPEEDS) :].split(_CONTACTS, 1)[0]
-    # The card gives the lash, and the springs are those of the cards.
-    lines = [line for line in middle.splitlines(True) if not line.startswith("lash =")]
-    middle = "".join(lines).replace('spring_set = "stock"', 'spring_set = "card"')
-    place = "valve_tip" if 'shape = "roller"' in middle else "cam"  # a roller rolls
-    steel = _STEEL.replace("{place}", place)
-    return f"{head}{_text(f'cards/{CARDS[kind]}')}{middle}{steel}{_text('cards/springs')}"
-
-
-def _text(name: str) -> str:
-    return (TEMPLATES / f"{name}.toml").read_text(encoding="utf-8")
+    name = template_kind(kind)
+    return (TEMPLATES / f"{'cards/' if cards and name != 'spring' else ''}{name}.toml").read_text(
+        encoding="utf-8"
+    )

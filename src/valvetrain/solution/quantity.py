@@ -141,7 +141,7 @@ class Quantities(Mapping[Quantity, float]):
         keys = list(self._values)
         columns: dict[str, ArrayLike] = {
             "quantity": [key.name for key in keys], "label": [key.label for key in keys],
-            "engine_speed": np.array([np.nan if key.engine_speed is None else key.engine_speed * 30 / np.pi for key in keys], dtype=float),
+            "engine_speed": np.round([np.nan if key.engine_speed is None else key.engine_speed * 30 / np.pi for key in keys], 6),
             "value": np.array(list(self._values.values()), dtype=float), "unit": [key.unit for key in keys],
         }  # fmt: skip
         return frame(columns, units={"engine_speed": "rpm"})

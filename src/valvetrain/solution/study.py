@@ -221,7 +221,7 @@ class Study(Reported):
             )
         import xarray
 
-        speeds = np.array([run.engine_speed * 30 / np.pi for run in runs])
+        speeds = np.round([run.engine_speed * 30 / np.pi for run in runs], 6)
         axis = {
             "engine_speed": ("engine_speed", speeds, {"units": "rpm", "long_name": "engine speed"})
         }
