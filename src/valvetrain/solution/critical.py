@@ -336,8 +336,8 @@ class CriticalSpeeds(Saveable):
         return tuple(dict.fromkeys(one.label for one in self.rows))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row per label and kind; speeds in rad/s of the crank, the limit in SI, NaN for what
-        was not found. ``attrs["units"]`` has the unit of each speed.
+        """One row per label and kind; speeds in rpm of the crank, the limit in m, NaN for what
+        was not found. ``attrs["units"]`` has the unit of each number.
         """
         from valvetrain.solution.display import frame
 
@@ -360,4 +360,7 @@ class CriticalSpeeds(Saveable):
         ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
         speeds = [name for name in (*own, *ranges) if name.endswith("engine_speed")]
-        return frame(own | ranges, units=dict.fromkeys(speeds, "rad/s"))
+        turned = {
+            name: [round(float(one) / RPM, 6) for one in (own | ranges)[name]] for name in speeds
+        }
+        return frame(own | ranges | turned, units={"limit": "m", **dict.fromkeys(speeds, "rpm")})
