@@ -61,7 +61,7 @@ def test_a_set_that_no_reduced_rod_knows_runs_by_another_model_and_says_why(text
     assert [run.label for run in study.solutions] == [model]
     (fact,) = with_code(study.facts, "not-the-default")
     assert fact.fields == {"model": model, "reason": reason}
-    (found,) = findings_of(study).by("A117")
+    (found,) = findings_of(study).by("A118")
     assert found.fields["model"] == model
 
 

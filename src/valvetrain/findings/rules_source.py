@@ -119,7 +119,7 @@ ASSUMED = (
          ("coil_bind_clearance",), remark="{spring} not checked"),
     Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
          rests_on("chain-of-wire"), remark="a chain for the wire (estimates)"),
-    Rule("A117", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_default),
+    Rule("A118", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_default),
          remark="{model} since {reason}", guide="models.md"),
     Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
          step="fit the wire: valvetrain spring-card", remark="a wire assumed from the card"),
