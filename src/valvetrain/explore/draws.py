@@ -19,10 +19,10 @@ from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
+from valvetrain.explore.space import Array
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 #: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
 #: points computed between them.

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
 from valvetrain.explore.identification_rules import (
     RULES,
@@ -22,6 +21,7 @@ from valvetrain.explore.identification_rules import (
 from valvetrain.explore.identified import Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
 from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
+from valvetrain.explore.space import Array
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import joined
 from valvetrain.solution.atomic import write_text
@@ -33,7 +33,6 @@ from valvetrain.views.tables import findings
 ROWS, CASE = 9, "identified.toml"
 #: Rows of a figure, and least scatters that it reaches to.
 DRAWN, NEAR = 24, 4.0
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from valvetrain.explore.draws import even_draws
 from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
-from valvetrain.explore.space import Varied
+from valvetrain.explore.space import Array, Varied
 from valvetrain.parameters.changes import nearest
 from valvetrain.solution.atomic import checked_content
 from valvetrain.solution.channels import ChannelArrays, Variable
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     import xarray
 
 
-Array = NDArray[np.float64]
 #: Role of the columns of a Dataset of draws that were looked for.
 QUANTITY = "quantity"
 #: Ends of the intervals (percent).

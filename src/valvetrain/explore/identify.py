@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal, vary
@@ -23,7 +22,7 @@ from valvetrain.explore.observe import IMPOSSIBLE, Observed
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.posterior import Datum, Evaluate, Numbers, Posterior, Unknown
 from valvetrain.explore.solve import solve
-from valvetrain.explore.space import Prior
+from valvetrain.explore.space import Array, Prior
 from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
@@ -32,7 +31,6 @@ from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
 from valvetrain.runs.workers import LOST, LOST_REMEDY
 
-Array = NDArray[np.float64]
 #: Points of the priors that are tried until one can be computed; bytes of a stored point and
 #: of each of its numbers.
 TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0

@@ -11,14 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 from scipy.special import chdtrc
 
 from valvetrain.errors import InputError
 from valvetrain.explore.posterior import Numbers, Posterior
+from valvetrain.explore.space import Array
 
-Array = NDArray[np.float64]
 #: Step of a difference in standard deviations of the prior where nothing is known yet, and of what
 #: the data leave once it is.
 FIRST_STEP, LATER_STEP, MIN_STEP = 0.03, 0.1, 1e-5

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
@@ -25,7 +24,6 @@ from valvetrain.solution.definition import definition_of, no_quantity
 from valvetrain.units import format_quantity, parse_quantities, parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
 
-Array = NDArray[np.float64]
 #: What a column of a measured curve is.
 CURVE = ("height", "compression", "force", "ignore")
 #: Most data of one measurement.

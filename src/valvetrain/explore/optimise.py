@@ -21,7 +21,8 @@ from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, meas
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum import Confirmed, Optimum, chosen_designs
 from valvetrain.explore.refusals import refuse_outputs
-from valvetrain.explore.search import Array, Trial, best_of, quiet_optuna, search_from
+from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
+from valvetrain.explore.space import Array
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
 from valvetrain.runs.workers import Progress, workers_here

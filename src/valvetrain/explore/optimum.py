@@ -15,7 +15,8 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.search import Array, Trial, best_of, front_of
+from valvetrain.explore.search import Trial, best_of, front_of
+from valvetrain.explore.space import Array
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text

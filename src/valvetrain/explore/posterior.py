@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from valvetrain.errors import InputError
-from valvetrain.explore.space import Prior
-
-Array = NDArray[np.float64]
+from valvetrain.explore.space import Array, Prior
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +50,6 @@ class Datum:
     def deviation(self, computed: Array | float) -> Array:
         """Computed less measured in units of the scatter."""
         return (np.asarray(computed, dtype=float) - self.value) / self.scatter
-
-    @property
-    def log_peak(self) -> float:
-        """Logarithm of the likelihood where computed and measured agree."""
-        return -math.log(self.scatter * math.sqrt(2 * math.pi))
 
     def percentile(self, computed: Array, weights: Array) -> float:
         """Position of the measured value in its own prediction, 0 to 100: over the draws
@@ -205,7 +197,8 @@ class Posterior:
         impossible or lacks a number.
         """
         off = self.residuals(self.outcomes(work))
-        found = sum(one.log_peak for one in self.used) - 0.5 * np.sum(off**2, axis=1)
+        top = sum(-math.log(one.scatter * math.sqrt(2 * math.pi)) for one in self.used)
+        found = top - 0.5 * np.sum(off**2, axis=1)
         return np.where(np.isfinite(found), found, -np.inf)
 
     def log_posterior(self, work: Array) -> Array:

@@ -18,15 +18,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import MissingExtraError
 from valvetrain.explore.limit_speed import BELOW
-from valvetrain.explore.measure import Measured
+from valvetrain.explore.measure import Constraint, Measured, Objective
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.samplers import latin_hypercube
+from valvetrain.explore.space import Array
 
-Array = NDArray[np.float64]
 HINT = "a search needs the library optuna, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Designs of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
@@ -76,9 +75,7 @@ class Trial:
     @cached_property
     def objectives(self) -> Array:
         """Objectives (m,) in SI, nan where they were not computed."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives]
-        )
+        return self._values(self.plan.objectives)
 
     @cached_property
     def costs(self) -> Array:
@@ -88,9 +85,10 @@ class Trial:
     @cached_property
     def constraints(self) -> Array:
         """Values (c,) in SI of what is bounded."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints]
-        )
+        return self._values(self.plan.constraints)
+
+    def _values(self, bounded: Sequence[Objective | Constraint]) -> Array:
+        return np.array([self.measured.values.get(one.measure, np.nan) for one in bounded])
 
     @cached_property
     def missed(self) -> Array:

@@ -43,11 +43,11 @@ from valvetrain.explore.least_squares import (
     widenings,
 )
 from valvetrain.explore.posterior import Evaluate, Posterior
+from valvetrain.explore.space import Array
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress
 
-Array = NDArray[np.float64]
 #: Ends of keys whose numbers are never negative.
 AMOUNT = re.compile(
     r"(amplitude_force|range|frequency|count|energy|impulse|duration|mass|stress)$|(^|_| )peak_\w*force$"

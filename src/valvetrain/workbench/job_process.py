@@ -4,7 +4,6 @@ what the command printed.
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -20,13 +19,14 @@ from valvetrain.runs.cost import Limits, duration_text, memory_text
 from valvetrain.runs.run_folders import unfinished_runs
 from valvetrain.solution.atomic import is_living, write_bytes, write_text
 from valvetrain.workbench.requests import JobRequest, QuantityStudy
-from valvetrain.workbench.saved_runs import STUDIES
+from valvetrain.workbench.saved_runs import STUDIES, read_object
 from valvetrain.workbench.store import inside, writing
 from valvetrain.workbench.supervisor import GRACE, MEMORY_UP, TIME_UP, read_progress
 from valvetrain.workbench.workspace import Workspace
 
 #: The study file of a job; no case has a name that begins so.
 STUDY_FILE = "_study.toml"
+SERVER_ENDED = "the server ended while this job ran"
 ANSWER, COMPLAINTS, LOCK = "answer.json", "complaints.txt", "lock"
 #: The process that runs the command line.
 SUPERVISOR = [sys.executable, "-m", "valvetrain.workbench.supervisor"]
@@ -72,14 +72,17 @@ def wait_until_left(workspace: Workspace, job_id: str) -> None:
         time.sleep(0.1)
 
 
-def settle(workspace: Workspace, job_id: str, state: str, sentence: str) -> Outcome:
+def settle(workspace: Workspace, job_id: str) -> Outcome:
     """How a job ended that was not watched to its end: a run with what it had, or folders of runs
     it left.
     """
-    answer = _answer(workspace.jobs_folder / job_id)
-    if run_id := _run_id(workspace, answer):
-        return Outcome(state, f"{sentence}; what it had finished is saved", run_id)
-    return Outcome(state, f"{sentence}{_left(workspace, job_id)}; start it again")
+    run_id = _run_id(workspace, read_object(workspace.jobs_folder / job_id / ANSWER, MAX_ANSWER))
+    left = (
+        "; what it had finished is saved"
+        if run_id
+        else f"{_left(workspace, job_id)}; start it again"
+    )
+    return Outcome("interrupted", f"{SERVER_ENDED}{left}", run_id)
 
 
 class JobProcess:
@@ -117,14 +120,6 @@ class JobProcess:
         )
         return share, self._text, left
 
-    def cancel(self) -> None:
-        """Ask the job to stop because it was cancelled."""
-        self._end("cancelled")
-
-    def stop(self) -> None:
-        """Ask the job to stop because the server ends."""
-        self._end("interrupted")
-
     def run(self) -> Outcome:
         """Start the process, follow its progress and wait for its end."""
         folder = inside(self.workspace.jobs_folder, self.job_id)
@@ -156,7 +151,7 @@ class JobProcess:
             finally:
                 os.close(writing)
             if self._requested_end:
-                self._end(self._requested_end)
+                self.end(self._requested_end)
             for line in report_lines:
                 self._hear(line)
         code = self._process.wait()
@@ -170,8 +165,8 @@ class JobProcess:
                 self._begun = self._begun or time.monotonic()
                 self._share = share
 
-    def _end(self, state: str) -> None:
-        """The end of its standard input requests the process to stop."""
+    def end(self, state: str) -> None:
+        """Ask the job to stop, by the end of its standard input: ``cancelled``, or ``interrupted`` as the server ends."""
         self._requested_end, self._text = self._requested_end or state, "stopping"
         if self._process is not None:
             self._close()
@@ -182,7 +177,7 @@ class JobProcess:
                 self._process.stdin.close()
 
     def _outcome(self, folder: Path, code: int) -> Outcome:
-        answer = _answer(folder)
+        answer = read_object(folder / ANSWER, MAX_ANSWER)
         run_id, share = _run_id(self.workspace, answer), self._share
         saved = "; what it had finished is saved" if run_id else _left(self.workspace, self.job_id)
         if code == TIME_UP:
@@ -194,7 +189,7 @@ class JobProcess:
         if self._requested_end:
             sentence = {
                 "cancelled": "was cancelled",
-                "interrupted": "the server ended while this job ran",
+                "interrupted": SERVER_ENDED,
             }[self._requested_end]
             return Outcome(self._requested_end, f"{sentence}{saved}", run_id, share)
         sentences = [str(sentence) for sentence in answer.get("failures", ()) or ()]
@@ -206,18 +201,6 @@ class JobProcess:
             run_id,
             share,
         )
-
-
-def _answer(folder: Path) -> dict[str, Any]:
-    """The JSON object that the command printed; empty where there is none."""
-    try:
-        path = folder / ANSWER
-        if path.stat().st_size > MAX_ANSWER:
-            return {}
-        found = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _run_id(workspace: Workspace, answer: dict[str, Any]) -> str:

@@ -158,7 +158,7 @@ class Jobs:
         """Stop a job; what was finished is saved. Nothing where it has ended."""
         with self._changed:
             if (process := self._running.get(job_id)) is not None:
-                process.cancel()
+                process.end("cancelled")
                 return
             if self.status(job_id).state == "queued":
                 self._end(job_id, Outcome("cancelled"))
@@ -183,7 +183,7 @@ class Jobs:
         with self._changed:
             self._stopping = True
             for process in self._running.values():
-                process.stop()
+                process.end("interrupted")
             self._changed.notify_all()
         self._manager.join()
         for thread in self._threads:
@@ -246,11 +246,15 @@ class Jobs:
 
     def _start_oldest(self) -> bool:
         """Start the oldest job that waits where a process is free; whether one was started."""
-        row = None if len(self._running) >= self.most_running else self._oldest()
-        if row is None:
+        if len(self._running) >= self.most_running:
             return False
-        job_id, request = row
         with self.workspace.store.connected() as base:
+            row = base.execute(
+                "SELECT id, request FROM jobs WHERE state = 'queued' ORDER BY created_at, id LIMIT 1"
+            ).fetchone()
+            if row is None:
+                return False
+            job_id, request = row["id"], STORED.validate_json(row["request"])
             base.execute(
                 "UPDATE jobs SET state = 'running', text = '', started_at = ? WHERE id = ?",
                 (time.time(), job_id),
@@ -263,13 +267,6 @@ class Jobs:
         self._threads = [one for one in self._threads if one.is_alive()] + [thread]
         thread.start()
         return True
-
-    def _oldest(self) -> tuple[str, JobRequest] | None:
-        with self.workspace.store.connected() as base:
-            row = base.execute(
-                "SELECT id, request FROM jobs WHERE state = 'queued' ORDER BY created_at, id LIMIT 1"
-            ).fetchone()
-        return None if row is None else (row["id"], STORED.validate_json(row["request"]))
 
     def _follow(self, job_id: str, process: JobProcess) -> None:
         """Run one job to its end."""
@@ -335,9 +332,7 @@ class Jobs:
         for job_id in left:
             with suppress(InputError, OSError):
                 wait_until_left(self.workspace, job_id)
-                found = settle(
-                    self.workspace, job_id, "interrupted", "the server ended while this job ran"
-                )
+                found = settle(self.workspace, job_id)
                 with self._changed:
                     self._end(job_id, found)
 

@@ -177,10 +177,13 @@ def _answer(path: Path, _: int) -> Mapping[str, Any]:
     """
     if path.name == ANSWER:
         return read_answer(path.parent)
+    return read_object(path, MAX_ANSWER)
+
+
+def read_object(path: Path, most: int) -> dict[str, Any]:
+    """The JSON object in a file; empty where there is none, or one of more than ``most`` bytes."""
     try:
-        if path.stat().st_size > MAX_ANSWER:
-            return {}
-        found = json.loads(path.read_text("utf-8"))
+        found = json.loads(path.read_text("utf-8")) if path.stat().st_size <= most else {}
     except (OSError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
