@@ -140,7 +140,7 @@ def answer(name: str) -> StudyAnswer:
 
 #: Rule -> a study in which it holds, and one in which it does not. J111 and J133: see below.
 RULES = {
-    "J101": ("never", "breaks"), "J112": ("ramp", "valley"), "J113": ("valley", "ramp"), "J120": ("still", "draws"),
+    "J101": ("never", "breaks"), "J112": ("ramp", "valley"), "J113": ("valley", "ramp"), "J114": ("ramp", "valley"), "J120": ("still", "draws"),
     "J121": ("noise", "draws"), "J122": ("draws", "noise"), "J130": ("breaks", "map"), "J131": ("without", "map"),
     "J132": ("doubtful", "sound"), "J134": ("narrow", "wide"),
 }  # fmt: skip

@@ -103,6 +103,13 @@ def test_what_rigid_theory_gives_is_no_input():
     assert StudyAnswer(table).verdict.quantity == names[0]
 
 
+def test_a_study_of_surge_is_judged_by_surge_whatever_force_stands_first():
+    for second in ("surge_amplitude_force", "minimum_spring_force"):
+        table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 1200.0], names=("peak_spring_force", second))
+        by_surge = second.startswith("surge")
+        assert (StudyAnswer(table).verdict.quantity == second) is by_surge
+
+
 @pytest.mark.parametrize("put_in", ["coil_bind_clearance", "outer_coil_bind_clearance"])
 def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(put_in):
     """The largest clearance was named best of a study that sets the clearance."""

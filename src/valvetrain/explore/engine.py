@@ -24,9 +24,10 @@ from valvetrain.explore.evaluate import Point, bars_of, evaluate
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
-from valvetrain.parameters.case import Case, content, function_text
+from valvetrain.parameters.case import Case, content
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.own_parts import part_digest
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
@@ -162,7 +163,7 @@ class Evaluation(Computation):
         """Case (without titles and notes, to the last bit) or function, keys, outputs and versions."""
         case, request = self.case, self.outputs.request
         if case is None:
-            text = function_text(self.outputs.function)
+            text = part_digest(self.outputs.function)
         else:
             text = content((
                 case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,

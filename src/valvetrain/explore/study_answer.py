@@ -250,7 +250,8 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
     order = [one.varied for one in facts.effects(name)] or [table.plan.varied[facts.changing[0]]]
     wanted = [table.plan.varied[k] for k in facts.along or facts.changing]
     varied = next((one for one in order if one in wanted), wanted[0])
-    x = table.column(varied.name) * varied.shown(1.0)
+    close = facts.clearance if facts.clearance != name else ""
+    x = _values(facts, close) if close else table.column(varied.name) * varied.shown(1.0)
     fig = go.Figure()
     lines = facts.chosen and len(facts.along or facts.changing) == 1
     for place, (label, rows) in enumerate(_series(facts).items()):
@@ -260,7 +261,7 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
             marker={"color": SPEEDS[place % len(SPEEDS)], "size": 7 if lines else 4}, showlegend=bool(label), hovertemplate="%{y:.4~g}",
         ))  # fmt: skip
     _mark(fig, facts, name, x, y)
-    return styled(fig, varied.axis_label, (_axis(name),), 400)
+    return styled(fig, _axis(close) if close else varied.axis_label, (_axis(name),), 400)
 
 
 def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDArray[Any]) -> None:

@@ -24,9 +24,20 @@ Array = NDArray[np.float64]
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "open_nominal_shear_stress")
 #: What follows from the dimensions of a spring, its installing and the lift alone begins so.
 PUT_IN = ("preload", "installed_", "coil_bind_clearance", *BY_SIZE)
+#: What a spring has to press with anyway is asked of last: what goes wrong with it comes before.
+FORCES, CLEARANCE = ("peak_spring_force", "minimum_spring_force"), "coil_bind_clearance"
 #: Standard deviations of a 95 % interval, and spread over the size of the mean below which nothing varies.
 SIGMAS, NO_SPREAD = 1.96, 1e-9
 PERCENTILES = (5.0, 50.0, 95.0)
+
+
+def _bare(name: str) -> str:
+    return name.removeprefix("outer_").removeprefix("inner_")
+
+
+def put_in(name: str) -> bool:
+    """Whether an output follows from dimensions, installing and lift alone, of one of a nested pair too."""
+    return _bare(name).startswith(PUT_IN)
 
 
 @dataclass(frozen=True)
@@ -117,17 +128,24 @@ class StudyFacts(Subject):
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """Outputs that a point has, that of the verdict first: of chosen points a stress, else a limit speed, else one that
-        the motion gives, for the best of what was put in is no finding.
+        """Outputs that a point has, that of the verdict first: of chosen points a stress, else a limit speed, else what goes
+        wrong in motion, such as surge, else a force of the spring; the best of what was put in is no finding.
         """
         there = [name for name in self.table.outputs if np.isfinite(self.column(name)).any()]
 
-        def place(name: str) -> tuple[int, bool, bool]:
-            bare = name.removeprefix("outer_").removeprefix("inner_")
+        def place(name: str) -> tuple[int, bool, bool, bool]:
+            bare = _bare(name)
             stress = STRESSES.index(bare) if bare in STRESSES else len(STRESSES)
-            return stress, bare.startswith(PUT_IN), name not in self.limits
+            return stress, put_in(name), name not in self.limits, bare in FORCES
 
         return tuple(sorted(there, key=place) if self.chosen else there)
+
+    @property
+    def clearance(self) -> str:
+        """The clearance to coil bind where it is an output of a grid along one quantity that moves it; else empty."""
+        name = next((one for one in self.outputs if one.endswith(CLEARANCE)), "")
+        along = self.table.plan.sampler.word == "grid" and len(self.along) == 1
+        return name if name and along and np.ptp(self.worst(name)) > 0 else ""
 
     @property
     def limits(self) -> dict[str, tuple[float, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from valvetrain.explore.evaluate import MAX_POINTS
 from valvetrain.explore.samplers import ENOUGH_ROWS
-from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
+from valvetrain.explore.study_facts import PERCENTILES, StudyFacts, put_in
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.definition import label_of
@@ -19,6 +20,8 @@ from valvetrain.solution.definition import label_of
 FEWEST, FLAT, WIDE = 4, 0.2, 0.45
 #: Share within which values are no better than each other.
 ALIKE = 0.01
+#: Share of another output from which it is a price of the best point.
+WORSE = 0.1
 
 
 def per_cent(share: float) -> str:
@@ -79,6 +82,7 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     judged = name not in facts.limits and facts.sign(name) and count > 1
     return {
         "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
+        "clearance": facts.amount(facts.clearance, facts.worst(facts.clearance)[design]) if facts.clearance else "",
         "worst_of": f"worst of {count} runs" if judged else "", "step": facts.command(design), "moved": facts.moved(),
     }  # fmt: skip
 
@@ -132,6 +136,23 @@ def best_point(facts: StudyFacts) -> Iterator[Hit]:
             "end": at_end_of_range(facts, best),
             "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if facts.listed or len(facts.along) == 1 else "",
         })  # fmt: skip
+
+
+def price(facts: StudyFacts) -> Iterator[Hit]:
+    """Another output with a better side that is worse at the best point than at the one that it is compared with."""
+    if "best" not in facts.ends:
+        return
+    best, *others = facts.ends.values()
+    other = next((one for one in others if one != best), best)
+    for name in (one for one in facts.outputs[1:] if not put_in(one)):
+        sign, values = facts.sign(name), facts.worst(name)
+        here, there = values[best], values[other]
+        worse = sign * (there - here)
+        share = worse / abs(there) if there else math.inf * worse if worse > 0 else 0.0
+        if share > max(WORSE, facts.bar(name)):
+            yield Hit(facts.amount(name, here), fields={
+                "name": label_of(name), "reference": facts.amount(name, there), "other": facts.label(other), "point": facts.label(best),
+            }, severity=share)  # fmt: skip
 
 
 def at_end_of_range(facts: StudyFacts, best: int) -> str:
@@ -207,8 +228,10 @@ RULES = (
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok",
-         unless=("J11", "J12", "J134")),
+         "[{value:4}][ at {clearance} of clearance][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
+         mark="ok", unless=("J11", "J12", "J134")),
+    Rule("J114", "warns", "{name} is worse there: {value:3}, {reference:3} with {other}", price,
+         unless=("J111", "J12", "J134")),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
          "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
     Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),

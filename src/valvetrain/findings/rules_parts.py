@@ -45,12 +45,13 @@ def reached_text(engine_speed: float, ranking: PartRanking) -> str:
 
 def _best(facts: PartFacts, reaches: bool) -> Iterator[Hit]:
     ranking, best = facts.ranking, facts.ranking.best
-    if best is None or not (best.gain > 0 and best.resolved):
+    if best is None or best.sign <= 0:
         return
     red_line = ranking.red_line
     short = 0.0 if red_line is None else red_line - best.engine_speed
     if (short <= 0) is reaches:
         fields: Fields = {
+            "set": best.setting, "put": "" if best.setting else PUT,
             "part": best.part, "gain": gain_text(best), "range": range_text(best), "reached": reached_text(best.engine_speed, ranking),
             "short": about(short) if short > 0 else "", "red": "" if red_line is None else speed_text(red_line, ""),
         }  # fmt: skip
@@ -70,14 +71,28 @@ def not_enough(facts: PartFacts) -> Iterator[Hit]:
 def no_gain(facts: PartFacts) -> Iterator[Hit]:
     """The whole range of no gain is above zero."""
     best = facts.ranking.best
-    if best is not None and not (best.gain > 0 and best.resolved):
-        yield Hit(fields={"part": best.part, "range": range_text(best) or gain_text(best)})
+    if best is not None and best.sign <= 0:
+        yield Hit(fields={
+            "part": best.part, "range": range_text(best) or gain_text(best),
+            "set": best.setting, "put": "" if best.setting else PUT,
+        })  # fmt: skip
+
+
+def rival(facts: PartFacts) -> Iterator[Hit]:
+    """A part that may gain more than the one that surely gains most."""
+    best = facts.ranking.best
+    for one in facts.ranking.choices if best is not None and best.sign > 0 else ():
+        if one is not best and one.largest_gain > best.gain:
+            fields: Fields = {"part": one.part, "range": range_text(one)}
+            yield Hit(fields=fields, severity=one.gain)
 
 
 def held(facts: PartFacts) -> Iterator[Hit]:
     """The train as it is is controlled at every speed searched."""
-    if facts.ranking.engine_speed > facts.ranking.last_engine_speed:
-        yield Hit(fields={"speed": speed_text(facts.ranking.last_engine_speed)})
+    first, last = facts.ranking.first_engine_speed, facts.ranking.last_engine_speed
+    if facts.ranking.engine_speed > last:
+        beyond = f"{round(first / RPM)}:{round(1.25 * last / RPM, -2):.0f}:250"
+        yield Hit(fields={"speed": speed_text(last), "beyond": beyond})
 
 
 def never_held(facts: PartFacts) -> Iterator[Hit]:
@@ -101,18 +116,22 @@ def assumed_retainer(facts: PartFacts) -> Iterator[Hit]:
         yield Hit()
 
 
-GAINS = "{part} gains most, {gain} rpm[ ({range})]"
+GAINS = "{part} surely gains most, {gain} rpm[ ({range})]"
 REACHED = "in control to {reached} rpm"
-PUT = "put it into the case file, then valvetrain sweep {case}"
+#: Where no option of a command makes the change, the case file has to.
+PUT = "put it into the case file"
+STEP = "[{put}, then ]valvetrain sweep {case}[ {set}]"
 
 RULES = (
-    Rule("W301", "decides", GAINS, enough, reason=f"{REACHED}[, red line {{red}}]", step=PUT, mark="ok"),
-    Rule("W302", "decides", GAINS, not_enough, reason=f"{REACHED}, {{short}} rpm short of the red line", step=PUT, mark="warn"),
-    Rule("W303", "decides", "no part alone surely gains control: the best, {part}, {range} rpm", no_gain, mark="warn"),
-    Rule("W304", "decides", "no part needs a change: in control up to {speed}, the highest searched", held, mark="ok"),
+    Rule("W301", "decides", GAINS, enough, reason=f"{REACHED}[, red line {{red}}]", step=STEP, mark="ok"),
+    Rule("W302", "decides", GAINS, not_enough, reason=f"{REACHED}, {{short}} rpm short of the red line", step=STEP, mark="warn"),
+    Rule("W303", "decides", "no part alone surely gains control: the best, {part}, {range} rpm", no_gain, step=STEP, mark="warn"),
+    Rule("W304", "decides", "no part needs a change: in control up to {speed}, the highest searched", held,
+         step="valvetrain sweep {case} --rpm {beyond}", mark="ok"),
     Rule("W305", "decides", "no part can be ranked: not in control already at {speed}", never_held,
          step="valvetrain sweep {case}"),
     Rule("W311", "warns", "damping, which nobody knows, moves control more than any part: {part} {gain} rpm", unknown),
+    Rule("W312", "warns", "{part} may gain more, but its range is {range} rpm", rival),
     Rule("A120", "notes", "a steel retainer is taken as 16 % of what moves with the valve, titanium as 44 % lighter",
          assumed_retainer, remark="share of the retainer"),
 )  # fmt: skip

@@ -103,7 +103,7 @@ def range_members(
     scan: Scan,
     changed: Mapping[Variant, Scan],
     begin: float,
-    first: float,
+    ends: tuple[float, float],
     whole: float,
 ) -> tuple[str, tuple[RangeMember, ...]]:
     """The kind of an onset and what leaves it open.
@@ -114,14 +114,14 @@ def range_members(
     scan : of the train
     changed : the scan, of no samples yet, of every changed train
     begin : onset (rad/s), infinite for never
-    first : lowest speed (rad/s) at which a changed train is looked at
+    ends : lowest and highest speed (rad/s) at which a changed train is looked at, that of the scan at least
     whole : margin (SI) of the train at standstill
 
     Returns
     -------
     (onset, members) as in :class:`valvetrain.solution.critical.CriticalSpeed`
     """
-    last = max(scan.samples)
+    first, last = ends[0], max(scan.samples)
     near = min(begin, last)
     onset, members = "sharp", list[RangeMember]()
     below = max((one for one in scan.samples if one < near), default=first)
@@ -154,7 +154,7 @@ def range_members(
             step = LOOKS.get(variant.cause, math.inf) * scan.resolution
             places = range(math.ceil(lowest / step), math.ceil(near / step))
             looked = [step * place for place in places]
-            speed = changed_onset(kind, own, near, (first, last), dips, looked, slope)
+            speed = changed_onset(kind, own, near, (first, max(ends[1], last)), dips, looked, slope)
             pulled = own.pulled([SpeedBracket(speed, math.inf)])
             members.append(RangeMember(variant.cause, variant.change, speed, pulled))
     return onset, tuple(members)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -176,24 +176,10 @@ def _search(
     index, samples = job
     one = ready[index]
     assert isinstance(one.system, TrainSystem)
-    large = one.system.has_large_springs
     scan = scan_of(problem, Variant("", "", one), plan, options, samples)
-    changed: dict[Variant, Scan] = {}
-    if not large:
+    if not one.system.has_large_springs:
         scan.fill(SCAN * options.resolution)
-        for kind in KINDS:
-            scan.look_into_dips(kind)
-        if options.ranges:
-            changed = {
-                each: scan_of(problem, each, plan, options, {}, scan if each.cause == "damping" else None)
-                for each in variants_of(problem, one)
-            }  # fmt: skip
-    rows = [critical_speed(kind, scan, one.member.label, options) for kind in KINDS]
-    other = min((row.engine_speed for row in rows[1:] if row.ranges), default=math.inf)
-    rows[0] = rows[0].decided(other)
-    if changed:
-        whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
-        rows = [with_range(row, scan, changed, whole[row.kind]) for row in rows]
+    rows = _rows(problem, one, plan, options, scan)
     curve = tuple(
         (at, run.cam_force, run.surge_force)
         for at, run in sorted((scan.samples | scan.precise).items())
@@ -210,6 +196,62 @@ def _search(
         return with_quantities(one, run, all_channels, {})
 
     return tuple(with_cause(row, one, run_there) for row in rows)
+
+
+def _rows(
+    problem: Problem,
+    one: PreparedRun,
+    plan: Plan,
+    options: CriticalOptions,
+    scan: Scan,
+    kinds: Collection[str] = KINDS,
+    last: float = 0.0,
+) -> list[CriticalSpeed]:
+    """The critical speeds of a scanned train without their causes, those of ``kinds`` with ranges up to ``last`` (rad/s) or to
+    the end of the scan.
+    """
+    assert isinstance(one.system, TrainSystem)
+    if not one.system.has_large_springs:
+        for kind in KINDS:
+            scan.look_into_dips(kind)
+    rows = [critical_speed(kind, scan, one.member.label, options) for kind in KINDS]
+    other = min((row.engine_speed for row in rows[1:] if row.ranges), default=math.inf)
+    rows[0] = rows[0].decided(other)
+    if not options.ranges or one.system.has_large_springs:
+        return rows
+    changed = {
+        each: scan_of(problem, each, plan, options, {}, scan if each.cause == "damping" else None)
+        for each in variants_of(problem, one)
+    }
+    whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
+    return [
+        with_range(row, scan, changed, whole[row.kind], last) if row.kind in kinds else row
+        for row in rows
+    ]
+
+
+def speeds_near(
+    problem: Problem,
+    ready: PreparedRun,
+    options: CriticalOptions,
+    ends: tuple[float, float],
+    kinds: Collection[str],
+) -> CriticalSpeeds:
+    """The critical speeds of a prepared train by few runs, without causes: from the first of ``ends`` (rad/s) no further than
+    control stays lost, those of ``kinds`` with their ranges.
+    """
+    plan = Plan("ends", 720, False, problem.cycles, problem.cycles_to_settle)
+    scan = scan_of(problem, Variant("", "", ready), plan, options, {})
+    (kept, last), step, lost = ends, SCAN * options.resolution, False
+    for place in range(math.floor((last - kept) / step) + 1):
+        engine_speed = ends[0] + place * step
+        sample = scan.at(engine_speed)
+        lost = lost or any(map(sample.lost, KINDS))
+        if all(map(sample.kept, KINDS)):
+            kept, lost = engine_speed, False
+        elif lost and engine_speed - kept > NARROW * kept + 2 * step:
+            break
+    return CriticalSpeeds(tuple(_rows(problem, ready, plan, options, scan, kinds, last)))
 
 
 def scan_of(
@@ -294,15 +336,21 @@ def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) 
 
 
 def with_range(
-    row: CriticalSpeed, scan: Scan, changed: Mapping[Variant, Scan], whole: float
+    row: CriticalSpeed,
+    scan: Scan,
+    changed: Mapping[Variant, Scan],
+    whole: float,
+    last: float = 0.0,
 ) -> CriticalSpeed:
-    """The result with its range: of the loss that stays where short ones come before it."""
+    """The result with its range: of the loss that stays where short ones come before it; changed trains run up to ``last``
+    (rad/s), by default to the end of the scan.
+    """
     if row.ranges and not row.ranges[0].lower_engine_speed > 0:
         return row  # control is lost already at the first speed
     first, place = row.first_engine_speed, row.deciding_place
     if place:
         first = row.ranges[place - 1].upper_engine_speed * (1 + NARROW)
     begin = row.deciding_speed
-    onset, members = range_members(row.kind, scan, changed, begin, first, whole)
+    onset, members = range_members(row.kind, scan, changed, begin, (first, last), whole)
     lost = any(one.engine_speed < math.inf or one.pulled or one.refusal for one in members)
     return replace(row, members=members, onset=onset) if row.ranges or lost else row

@@ -12,14 +12,20 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.parameters.train_parts import PushrodParameters
+from valvetrain.runs.critical_speeds import CriticalOptions, speeds_near
+from valvetrain.runs.prepared import Plan, PreparedRun
+from valvetrain.runs.refusals import refuse_implausible
 from valvetrain.runs.requests import Parts, Watch
 from valvetrain.runs.run import sweep_study
+from valvetrain.runs.train_runs import preloads, prepare_trains, train_point
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.critical import RPM
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.part_ranking import PartChange, PartRanking
-from valvetrain.solution.status import reason
-from valvetrain.solution.study import Study
+from valvetrain.solution.status import PartialFailures, reason
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.system.build import build
+from valvetrain.system.problem import Problem
+from valvetrain.units import to_unit
 
 TENTH = 0.1
 #: Titanium over steel by density, and the share of a steel retainer in what moves with the valve, which is assumed.
@@ -33,7 +39,9 @@ TUBES = {
 TRIED, STIFFER = 2, 1.05
 INCH, POUND_FORCE, LASH = 0.0254, 4.4482216, 50e-6
 #: Speeds searched, over the range of the train as it is: below its least and above its largest critical speed.
-BELOW, ABOVE, STEP = 0.94, 1.2, 100 * RPM
+BELOW, ABOVE = 0.94, 1.2
+#: Resolution of the search over the limit of the train as it is: changed trains are run every one and a half per cent.
+RESOLUTION = 0.003
 #: Share of the train as it is in the time of all.
 OF_BASE = 0.2
 STRESS = "open_nominal_shear_stress"
@@ -45,11 +53,12 @@ Limits = Mapping[tuple[str, str], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Part:
-    """A train in which one part is changed: what, what that costs, and the train."""
+    """A train in which one part is changed: what, what that costs, the train, and what sets it on a command line."""
 
     name: str
     price: str
     train: TrainParameters
+    setting: str = ""
 
 
 def parts_of(train: TrainParameters, spring_set: str) -> Iterator[Part]:
@@ -67,30 +76,39 @@ def parts_of(train: TrainParameters, spring_set: str) -> Iterator[Part]:
     ['valve 10 % lighter', 'titanium retainer']
     """
     less, more = 1 - TENTH, 1 + TENTH
-    valve, follower, lever = train.valve, train.follower, train.lever
 
-    def lighter_valve(share: float) -> TrainParameters:
-        return train.replace(valve=replace(valve, mass=(1 - share) * valve.mass))
+    def part(name: str, price: str, table: str, **values: tuple[float, str]) -> Part:
+        """The part with values (SI) of a table of the train in units of the case."""
+        numbers = {key: value for key, (value, _) in values.items()}
+        changed = replace(getattr(train, table), **numbers) if table else numbers.pop("lash")
+        texts = (
+            f"""--set '{".".join(filter(None, ("train", table, key)))}="{to_unit(value, unit):.5g} {unit}"'"""
+            for key, (value, unit) in values.items()
+        )
+        return Part(name, price, train.replace(**{table or "lash": changed}), " ".join(texts))
 
-    yield Part("valve 10 % lighter", "such as a hollow stem", lighter_valve(TENTH))
-    yield Part("titanium retainer", "wears at the locks", lighter_valve(RETAINER * (1 - TITANIUM)))
+    valve, follower, lever, pushrod = train.valve, train.follower, train.lever, train.pushrod
+    for name, price, share in (
+        ("valve 10 % lighter", "such as a hollow stem", TENTH),
+        ("titanium retainer", "wears at the locks", RETAINER * (1 - TITANIUM)),
+    ):
+        yield part(name, price, "valve", mass=((1 - share) * valve.mass, "g"))
     if follower.mass > 0:
-        changed = train.replace(follower=replace(follower, mass=less * follower.mass))
-        yield Part("follower 10 % lighter", "", changed)
+        yield part("follower 10 % lighter", "", "follower", mass=(less * follower.mass, "g"))
     if lever is not None:
-        turned = replace(lever, inertia=less * lever.inertia, mass=less * lever.mass)
-        yield Part("rocker 10 % lighter", "may bend more", train.replace(lever=turned))
+        lighter = {"inertia": (less * lever.inertia, "kg mm^2"), "mass": (less * lever.mass, "g")}
+        yield part("rocker 10 % lighter", "may bend more", "lever", **lighter)
         if lever.stiffness is not None:
-            stiff = replace(lever, stiffness=more * lever.stiffness)
-            yield Part("rocker 10 % stiffer", "often heavier", train.replace(lever=stiff))
-    for name, pushrod in stiffer_pushrods(train.pushrod):
-        yield Part(name, "needs room in the head", train.replace(pushrod=pushrod))
+            stiff = more * lever.stiffness, "kN/mm"
+            yield part("rocker 10 % stiffer", "often heavier", "lever", stiffness=stiff)
+    for name, mass, stiffness in stiffer_pushrods(pushrod):
+        tube = {"mass": (mass, "g"), "stiffness": (stiffness, "kN/mm")}
+        yield part(name, "needs room in the head", "pushrod", **tube)
     yield from _springs(train, spring_set)
     for sign, word in ((1, "more"), (-1, "less")):
         if 0 < train.lash > -sign * LASH:
-            changed = train.replace(lash=train.lash + sign * LASH)
             price = "louder, lands faster" if sign > 0 else "may hang open when hot"
-            yield Part(f"lash 0.05 mm {word}", price, changed)
+            yield part(f"lash 0.05 mm {word}", price, "", lash=(train.lash + sign * LASH, "mm"))
 
 
 def _springs(train: TrainParameters, spring_set: str) -> Iterator[Part]:
@@ -144,8 +162,8 @@ def _scaled(spring: InstalledSpring, rate: float = 1.0, mass: float = 1.0) -> In
     return replace(spring, wire=wire, precompression=spring.precompression / rate)
 
 
-def stiffer_pushrods(pushrod: PushrodParameters | None) -> Iterator[tuple[str, PushrodParameters]]:
-    """Names of the next stiffer steel tubes, with the pushrod made of each; none of a rigid one.
+def stiffer_pushrods(pushrod: PushrodParameters | None) -> Iterator[tuple[str, float, float]]:
+    """Names of the next stiffer steel tubes, with mass (kg) and stiffness (N/m) of the pushrod made of each; none of a rigid one.
 
     Its length, where the case does not give it, is that of a plain tube of its mass and stiffness.
     """
@@ -158,8 +176,7 @@ def stiffer_pushrods(pushrod: PushrodParameters | None) -> Iterator[tuple[str, P
     stiffer = [(name, area) for name, area in areas.items() if area > STIFFER * section]
     for name, area in stiffer[:TRIED]:
         mass = pushrod.mass + density * length * (area - section)
-        changed = replace(pushrod, mass=mass, stiffness=pushrod.stiffness * area / section)
-        yield f"pushrod {name}", changed
+        yield f"pushrod {name}", mass, pushrod.stiffness * area / section
 
 
 def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
@@ -183,24 +200,31 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     request = request.with_speeds()
     count = request.worker_count
     base = sweep_study(request, Watch(lambda share, text: tell(OF_BASE * share, text)))
-    limits = limits_of(base)
-    limit = limits[NOMINAL][0]
+    limits = limits_of(base.critical_speeds)
+    limit, first = limits[NOMINAL][0], base.engine_speeds[0]
+    _, _, seat, stress = _prepared(request, train, first)
     ranking = PartRanking(
-        base.record.name, base.labels[0], limit, base.engine_speeds[0], base.engine_speeds[-1], seat_load=_seat_load(base),
-        red_line=base.record.red_line, text=base.record.text,
+        base.record.name, base.labels[0], limit, first, base.engine_speeds[-1], seat_load=seat, red_line=base.record.red_line,
+        text=base.record.text,
     )  # fmt: skip
     if not 0 < limit < math.inf:
         return ranking
     ends = [one for pair in limits.values() for one in pair if 0 < one < math.inf]
-    first, last = math.floor(BELOW * min(ends) / STEP), math.ceil(ABOVE * max(ends) / STEP)
-    around = tuple(STEP * place for place in range(max(first, 1), last + 1))
-    ranking = replace(ranking, first_engine_speed=around[0], last_engine_speed=around[-1])
+    first, last = BELOW * min(ends), ABOVE * max(ends)
+    kinds = tuple(
+        one.kind
+        for one in base.critical_speeds
+        if any(speed <= max(ends) for speed in (one.deciding_speed, *(each.engine_speed for each in one.members)))
+    )  # fmt: skip
+    options = CriticalOptions(RESOLUTION * limit, request.float_lift, request.bounce_height)
+    search = Search(request, (first, last), kinds, options)
+    ranking = replace(ranking, first_engine_speed=first, last_engine_speed=last)
     parts = tuple(parts_of(train, request.spring_sets[0]))
 
     def done(finished: int, total: int) -> None:
         tell(OF_BASE + (1 - OF_BASE) * finished / total, "parts")
 
-    shared = replace(request, engine_speeds=around, workers=1), ranking, limits, _stress(base)
+    shared = search, ranking, limits, stress
     changes = map_points(_changed, shared, parts, count, processes=True, tell=done)
     unknown = (
         _change(Part(f"damping {change}", "not known", train), ranking, limits, {NOMINAL: pair})
@@ -212,18 +236,46 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     return replace(ranking, changes=(*ordered, *unknowns))
 
 
-def _changed(shared: tuple[Parts, PartRanking, Limits, float], part: Part) -> PartChange:
+@dataclass(frozen=True)
+class Search:
+    """How changed trains are searched: between ``ends`` (rad/s), with the range of each of ``kinds`` of loss."""
+
+    request: Parts
+    ends: tuple[float, float]
+    kinds: tuple[str, ...]
+    options: CriticalOptions
+
+
+def _prepared(
+    request: Parts, train: TrainParameters, engine_speed: float
+) -> tuple[Problem, PreparedRun, float, float]:
+    """A changed train ready to run, its seat load (N), and the largest stress (Pa) of a wire at full lift by a run at a speed
+    (rad/s), NaN of springs without a wire.
+    """
+    case = request.case.replace(train=train)
+    problem = build(case, spring_models=request.models, spring_set=request.spring_sets).settled()
+    problem.must_run()
+    if not request.implausible:
+        refuse_implausible(problem, (engine_speed,))
+    (ready, *_), _ = prepare_trains(problem, (engine_speed,), PartialFailures())
+    seat = next((one["preload"] for one in preloads((ready,)).values()), math.nan)
+    run = train_point((problem, (ready,), Plan("ends", None, False)), (0, engine_speed))
+    stresses = [one for name, one in run.quantities.items() if name.endswith(STRESS)]
+    return problem, ready, seat, max(stresses, default=math.nan)
+
+
+def _changed(shared: tuple[Search, PartRanking, Limits, float], part: Part) -> PartChange:
     """The gain of one changed train; what it refuses is its ``refusal``."""
-    request, ranking, limits, stress = shared
+    search, ranking, limits, stress = shared
     try:
         # what is unusual of a changed part is no slip of its user
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
-            study = sweep_study(replace(request, case=request.case.replace(train=part.train)))
+            problem, ready, seat, wire = _prepared(search.request, part.train, search.ends[0])
+            found = speeds_near(problem, ready, search.options, search.ends, search.kinds)
     except ValvetrainError as error:
-        return PartChange(part.name, part.price, refusal=reason(error))
-    change = _change(part, ranking, limits, limits_of(study))
-    seat, wire = _seat_load(study) - ranking.seat_load, _stress(study) - stress
-    return replace(change, seat_load_change=seat, stress_change=wire)
+        return PartChange(part.name, part.price, refusal=reason(error), setting=part.setting)
+    change = _change(part, ranking, limits, limits_of(found))
+    return replace(change, seat_load_change=seat - ranking.seat_load, stress_change=wire - stress)
 
 
 def _change(part: Part, ranking: PartRanking, before: Limits, after: Limits) -> PartChange:
@@ -239,19 +291,16 @@ def _change(part: Part, ranking: PartRanking, before: Limits, after: Limits) -> 
         gains += [least - high, largest - low]
     limit = after[NOMINAL][0]
     gain = within(limit) - ranking.engine_speed
-    return PartChange(part.name, part.price, limit, gain, min(gains), max(gains))
+    ends = min(gains), max(gains)
+    return PartChange(part.name, part.price, limit, gain, *ends, setting=part.setting)
 
 
-def limits_of(study: Study) -> Limits:
-    """Up to which engine speed (rad/s) the first train of a study is controlled, and with each thing changed of which a
-    range of critical speeds is made: least and largest, 0 where it is not at the first speed, infinite where it always is.
+def limits_of(found: CriticalSpeeds) -> Limits:
+    """Up to which engine speed (rad/s) a train is controlled, and with each thing changed of which a range of critical speeds
+    is made: least and largest, 0 where it is not at the first speed, infinite where it always is.
     """
     # short ranges of lost contact alone limit nothing
-    rows = [
-        one
-        for one in study.critical_speeds
-        if one.label == study.labels[0] and not 0 < len(one.ranges) <= one.short_count
-    ]
+    rows = [one for one in found if not 0 < len(one.ranges) <= one.short_count]
     own = [one.ranges[one.short_count].lower_engine_speed if one.ranges else math.inf for one in rows]  # fmt: skip
     limits = {NOMINAL: (min(own, default=math.inf),) * 2}
     keys = {(each.cause, each.change): None for one in rows for each in one.members if not each.refusal}  # fmt: skip
@@ -263,14 +312,3 @@ def limits_of(study: Study) -> Limits:
             pairs.append((min(roots), max(roots)))
         limits[key] = min(low for low, _ in pairs), min(high for _, high in pairs)
     return limits
-
-
-def _seat_load(study: Study) -> float:
-    """Force (N) of all springs in use with the valve closed; NaN where no model gives it."""
-    return next((one["preload"] for one in study.still.values() if "preload" in one), math.nan)
-
-
-def _stress(study: Study) -> float:
-    """Largest stress (Pa) of a wire at full lift; NaN of springs without a wire."""
-    values = [run.quantities[STRESS] for run in study.solutions if STRESS in run.quantities]
-    return max(values, default=math.nan)

@@ -317,9 +317,9 @@ class Parts(Sweep):
         object.__setattr__(self, "spring_sets", used)
 
     def cost(self) -> Cost:
-        """Estimated time and memory: those of a sweep, and of some twelve more over a third of its speeds."""
+        """Estimated time and memory: those of a sweep, and of some twelve searches near its critical speed."""
         swept = super().cost()
-        return Cost(5 * swept.seconds, swept.bytes)
+        return Cost(2.5 * swept.seconds, swept.bytes)
 
 
 @dataclass(frozen=True, kw_only=True)

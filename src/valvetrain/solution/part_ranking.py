@@ -27,7 +27,8 @@ class PartChange:
     ``gain`` (rad/s) of that speed, and the ``least_gain`` and ``largest_gain`` that finer numerics, another spring model and
     other damping of both trains give. ``seat_load_change`` (N), and ``stress_change`` (Pa) of the wire at full lift, NaN
     of a spring without a wire. ``chosen``: whether a shop can choose it; else it is what nobody knows.
-    ``refusal``: why the changed train cannot run, whose numbers are NaN then.
+    ``setting``: what sets it on a command line, empty where a case file has to. ``refusal``: why the changed train cannot run,
+    whose numbers are NaN then.
     """
 
     part: str
@@ -39,12 +40,13 @@ class PartChange:
     seat_load_change: float = 0.0
     stress_change: float = math.nan
     chosen: bool = True
+    setting: str = ""
     refusal: str = ""
 
     @property
-    def resolved(self) -> bool:
-        """Whether the whole range is a gain, or the whole a loss."""
-        return self.least_gain > 0 or self.largest_gain < 0
+    def sign(self) -> int:
+        """1 where the whole range is a gain, -1 where it is a loss, 0 for neither."""
+        return 1 if self.least_gain > 0 else -1 if self.largest_gain < 0 else 0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -77,8 +79,9 @@ class PartRanking(Saveable):
 
     @property
     def best(self) -> PartChange | None:
-        """The part that gains most; None where none was searched."""
-        return next(iter(self.choices), None)
+        """The part that gains most of those that surely gain, else of all; None where none was searched."""
+        sure = [one for one in self.choices if one.sign > 0]
+        return next(iter(sure or self.choices), None)
 
     def __repr__(self) -> str:
         rows = [
@@ -88,6 +91,6 @@ class PartRanking(Saveable):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A row per change, SI; the units of its numbers are in ``attrs["units"]``."""
-        names = ("part", *UNITS, "chosen", "price", "refusal")
+        names = ("part", *UNITS, "chosen", "price", "setting", "refusal")
         columns = {name: [getattr(one, name) for one in self.changes] for name in names}
         return frame(columns, units={name: UNITS.get(name, "") for name in names})

@@ -23,7 +23,7 @@ from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import BAD, LEAD, OTHER, FigureSpec, styled
 from valvetrain.views.table import Line
 
-HINT = "bars: rpm of control gained by each change alone; lines: its range by other damping, another spring model, a finer step and mesh"
+HINT = "bars: rpm of control gained by each change alone, pale where not sure; lines: range by damping, spring model, step and mesh"
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,15 @@ class PartsAnswer(ShownByRules):
     def _line(self, change: PartChange) -> Line:
         if change.refusal:
             return Line(change.part, ("–",) * len(self.headings), "warn", change.refusal)
-        best = change is self.ranking.best and change.gain > 0 and change.resolved
-        mark: Mark = "ok" if best else "bad" if change.chosen and change.largest_gain < 0 else ""
+        marks: tuple[Mark, ...] = ("", "ok", "bad")
+        mark = marks[change.sign] if change.chosen else ""
+        price = "; ".join(filter(None, ("" if change.sign else "not sure", change.price)))
         stress = self._signed("peak_shear_stress", change.stress_change)
         cells = (
             reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change),
             self._signed("preload", change.seat_load_change), *[stress] * self.stressed,
         )  # fmt: skip
-        return Line(change.part, cells, mark, change.price)
+        return Line(change.part, cells, mark, price)
 
     def _signed(self, name: str, value: float) -> str:
         """A change with its sign; empty for none."""
@@ -103,6 +104,7 @@ def picture(facts: PartFacts) -> go.Figure | None:
     gains = [one.gain / RPM for one in rows]
     fig = go.Figure(go.Bar(
         x=gains, y=[one.part for one in rows], orientation="h", width=0.62, showlegend=False,
+        marker_opacity=[0.35 if one.chosen and not one.sign else 1.0 for one in rows],
         marker_color=[(BAD if one.gain < 0 else LEAD) if one.chosen else OTHER for one in rows],
         error_x={
             "type": "data", "symmetric": False, "thickness": 1.4, "color": "#333",
