@@ -81,7 +81,9 @@ def no_gain(facts: PartFacts) -> Iterator[Hit]:
 def rival(facts: PartFacts) -> Iterator[Hit]:
     """A part that may gain more than the one that surely gains most."""
     best = facts.ranking.best
-    for one in facts.ranking.choices if best is not None and best.sign > 0 else ():
+    if best is None or best.sign <= 0:
+        return
+    for one in facts.ranking.choices:
         if one is not best and one.largest_gain > best.gain:
             fields: Fields = {"part": one.part, "range": range_text(one)}
             yield Hit(fields=fields, severity=one.gain)
