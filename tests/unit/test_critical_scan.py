@@ -314,6 +314,16 @@ def test_a_loss_that_begins_where_ends_would_pull_lies_between_what_is_known() -
     assert row.span.upper_engine_speed >= row.engine_speed
 
 
+@pytest.mark.parametrize(("pull", "onset"), [(6842, 6830.0), (6815, 7003.0)])
+def test_a_loss_just_below_speeds_whose_ends_would_pull_is_found(pull, onset) -> None:
+    """Less damping loses control from 6830 on, between two speeds looked at, the upper of which pulls: that loss counts
+    where it comes before the pull.
+    """
+    changed = lambda speed: min(7003 - speed, 3 * (abs(speed - 6880) - 50))
+    row = found(lambda speed: 7003 - speed, {"damping": [changed]}, pulls=lambda speed: pull < speed < 6935)  # fmt: skip
+    assert speeds_of(row, "damping") == pytest.approx([onset], abs=0.25)
+
+
 def test_one_form_is_printed_and_json_carries_its_parts() -> None:
     lost = (SpeedBracket(7301.5 * RPM, 9000 * RPM),)
     row = CriticalSpeed(

@@ -73,13 +73,10 @@ def control_of(study: Study, label: str) -> Control:
     >>> control_of(Study(CaseRecord("own")), "stock").limit
     inf
     """
-    rows = [one for one in study.critical_speeds if one.label == label and one.found]
-    losses = [Loss(one, one.ranges) for one in rows]
-    contact = next((one for one in losses if one.row.kind == "contact-loss"), None)
-    others = [one for one in losses if one is not contact]
-    islands = () if contact is None else contact.ranges[: contact.row.short_count]
-    if contact is not None and islands:
-        left = contact.ranges[len(islands) :]
-        losses = [*others, *([Loss(contact.row, left)] if left else [])]
-    ordered = tuple(sorted(losses, key=lambda one: one.begin))
-    return Control(ordered, islands, None if contact is None else contact.row)
+    found = study.critical_speeds
+    losses = [Loss(row, ranges) for row, ranges in found.limiting(label) if ranges]
+    contact = found.of("contact-loss", label)
+    if contact is None or not contact.found:
+        contact = None
+    islands = () if contact is None else contact.ranges[: contact.short_count]
+    return Control(tuple(sorted(losses, key=lambda one: one.begin)), islands, contact)

@@ -229,6 +229,7 @@ def changed_onset(
     for speed in looked:
         scan.at(speed)
     scan.look_into_dips(kind)
+    scan.look_before_pulls(kind, begin)
     lost = [one for one in scan.samples if ends[0] <= one < begin and scan.samples[one].lost(kind)]
     here = min(lost, default=begin)
     sample = scan.at(here)

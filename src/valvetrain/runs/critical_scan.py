@@ -24,6 +24,8 @@ CAUTION = 2.0
 MAX_ROOTS = 4
 #: Resolutions between the speeds of a scan, and between those just below a loss.
 SCAN, BELOW = 5.0, 2.5
+#: Width over its speed to which the step below a run that says nothing is halved.
+FLANK = 5e-4
 #: Measure (SI) where a run says nothing or just reaches zero.
 NO_MARGIN = 1e-12
 
@@ -140,6 +142,19 @@ class Scan:
                 return
             for engine_speed in middles:
                 self.at(engine_speed)
+
+    def look_before_pulls(self, kind: str, top: float) -> None:
+        """Halve the steps below ``top`` (rad/s), to :data:`FLANK`, from a speed that keeps control to one of which a run says
+        nothing: contact may have been lost before the ends of its springs pull.
+        """
+
+        def wide(low: float, high: float) -> bool:
+            unknown = kind in self.samples[high].unknown and self.samples[low].kept(kind)
+            return unknown and high <= top and high - low > FLANK * high
+
+        while found := [two for two in pairwise(sorted(self.samples)) if wide(*two)]:
+            for low, high in found:
+                self.at((low + high) / 2)
 
     def _dips_near_zero(self, kind: str) -> Iterator[tuple[float, ...]]:
         for three, (before, least, after) in self._dips(kind):

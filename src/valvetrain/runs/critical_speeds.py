@@ -45,6 +45,8 @@ SCAN_TOLERANCE, PRECISE_TOLERANCE = 1e-4, 1e-6
 #: Cycles of the search for a periodic motion: half of them accelerated, then as many plain ones as show
 #: a period of eight. With 60 the same speeds result at twice the time of all that never repeats.
 SCAN_CYCLES = 24
+#: Steps of a search near a known limit over those of a scan of all speeds.
+COARSE = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +244,7 @@ def speeds_near(
     """
     plan = Plan("ends", 720, False, problem.cycles, problem.cycles_to_settle)
     scan = scan_of(problem, Variant("", "", ready), plan, options, {})
-    (kept, last), step, lost = ends, SCAN * options.resolution, False
+    (kept, last), step, lost = ends, COARSE * SCAN * options.resolution, False
     for place in range(math.floor((last - kept) / step) + 1):
         engine_speed = ends[0] + place * step
         sample = scan.at(engine_speed)

@@ -40,8 +40,9 @@ TRIED, STIFFER = 2, 1.05
 INCH, POUND_FORCE, LASH = 0.0254, 4.4482216, 50e-6
 #: Speeds searched, over the range of the train as it is: below its least and above its largest critical speed.
 BELOW, ABOVE = 0.94, 1.2
-#: Resolution of the search over the limit of the train as it is: changed trains are run every one and a half per cent.
-RESOLUTION = 0.003
+#: Resolution of the search over the limit of the train as it is: changed trains are run every one and a half per
+#: cent, with less damping and in another model as close as in a scan of all speeds.
+RESOLUTION = 0.0015
 #: Share of the train as it is in the time of all.
 OF_BASE = 0.2
 STRESS = "open_nominal_shear_stress"
@@ -299,9 +300,8 @@ def limits_of(found: CriticalSpeeds) -> Limits:
     """Up to which engine speed (rad/s) a train is controlled, and with each thing changed of which a range of critical speeds
     is made: least and largest, 0 where it is not at the first speed, infinite where it always is.
     """
-    # short ranges of lost contact alone limit nothing
-    rows = [one for one in found if not 0 < len(one.ranges) <= one.short_count]
-    own = [one.ranges[one.short_count].lower_engine_speed if one.ranges else math.inf for one in rows]  # fmt: skip
+    rows = [one for one, _ in found.limiting()]
+    own = [lost[0].lower_engine_speed if lost else math.inf for _, lost in found.limiting()]
     limits = {NOMINAL: (min(own, default=math.inf),) * 2}
     keys = {(each.cause, each.change): None for one in rows for each in one.members if not each.refusal}  # fmt: skip
     for key in keys:

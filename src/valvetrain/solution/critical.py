@@ -322,6 +322,18 @@ class CriticalSpeeds(Saveable):
             (one for one in self.rows if one.kind == kind and label in ("", one.label)), None
         )
 
+    def limiting(
+        self, label: str = ""
+    ) -> tuple[tuple[CriticalSpeed, tuple[SpeedBracket, ...]], ...]:
+        """The results of a label, or of all, each with its ranges of lost control but for the short ones, which limit
+        nothing; without a result that has only those.
+        """
+        return tuple(
+            (one, one.ranges[one.short_count :])
+            for one in self.rows
+            if label in ("", one.label) and (not one.ranges or one.short_count < len(one.ranges))
+        )
+
     def quantities(self, label: str) -> dict[str, float]:
         """The engine speeds (rad/s) of one label by the names of the quantities, of what was found."""
         return {
