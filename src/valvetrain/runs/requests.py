@@ -319,7 +319,7 @@ class Parts(Sweep):
     def cost(self) -> Cost:
         """Estimated time and memory: those of a sweep, and of some twelve searches near its critical speed."""
         swept = super().cost()
-        return Cost(2.5 * swept.seconds, swept.bytes)
+        return Cost(3.3 * swept.seconds, swept.bytes)
 
 
 @dataclass(frozen=True, kw_only=True)
