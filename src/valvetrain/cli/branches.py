@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import typer
-
-from valvetrain.cli.request import SavedLine, add_command
+from valvetrain.cli.request import SavedLine, command_of
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import option, read_count, read_speeds, read_text
 from valvetrain.runs.requests import SpringRequest
@@ -42,11 +40,6 @@ class BranchesRequest(SpringRequest):
         """Raise :class:`InputError` without a speed."""
         if not self.engine_speeds:
             raise InputError("a march needs engine speeds; give --rpm 7000:9700:25", "--rpm")
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, BranchesRequest, SavedLine, branches, limit=None, implausible=None)
 
 
 def branches(request: BranchesRequest, line: SavedLine, folder: Path) -> None:
@@ -98,3 +91,6 @@ def branches(request: BranchesRequest, line: SavedLine, folder: Path) -> None:
             line.open_page,
         )
     )
+
+
+register = command_of(BranchesRequest, SavedLine, branches, limit=None, implausible=None)

@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
-from valvetrain.cli.request import AnswerLine, SavedLine, add_command, add_line
+from valvetrain.cli.request import AnswerLine, SavedLine, command_of, command_without_case
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.runs.request_fields import option, read_text
 from valvetrain.runs.requests import SpringRequest
@@ -39,11 +37,6 @@ class Check(SpringRequest):
     command = "check"
 
 
-def register_cases(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "cases", CasesLine, cases)
-
-
 def cases(line: CasesLine) -> None:
     """List the cases that ship with the package, or print one of their files."""
     from valvetrain.cli.outcome import Outcome, deliver, plain_table
@@ -70,9 +63,7 @@ def cases(line: CasesLine) -> None:
     deliver(Outcome(data, lambda console: console.out(text, end="")))
 
 
-def register_check(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Check, SavedLine, check, limit=None)
+register_cases = command_without_case("cases", CasesLine, cases)
 
 
 def check(request: Check, line: SavedLine, folder: Path) -> None:
@@ -142,6 +133,9 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
         console.print(plain_table(("", ""), made.said))
 
     deliver(Outcome(data, show, gaps.sentences))
+
+
+register_check = command_of(Check, SavedLine, check, limit=None)
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:

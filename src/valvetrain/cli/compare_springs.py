@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-import typer
-
 from valvetrain.cli.options import choose_case, name_case
-from valvetrain.cli.request import MotionLine, RequestOf, add_command
+from valvetrain.cli.request import MotionLine, RequestOf, command_of
 from valvetrain.cli.run import KERNELS
 from valvetrain.cli.run_answer import answer_study
 from valvetrain.errors import InputError
@@ -47,12 +45,6 @@ class PairLine(MotionLine):
         )
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    own = {"case": None, "spring_sets": None, "compute": None}
-    add_command(app, CompareSprings, PairLine, compare_springs, **own)
-
-
 def compare_springs(request: CompareSprings, line: PairLine, folder: Path) -> None:
     """Compare two springs in one engine over its speed: surge, clash, stress, float, side by side.
 
@@ -66,3 +58,8 @@ def compare_springs(request: CompareSprings, line: PairLine, folder: Path) -> No
     stems = PurePath(line.first).stem, PurePath(line.second).stem
     request = paired(request, *pair, stems).with_speeds()
     answer_study(request, line, folder, sweep_study, request.cost(), KERNELS)
+
+
+register = command_of(
+    CompareSprings, PairLine, compare_springs, case=None, spring_sets=None, compute=None
+)

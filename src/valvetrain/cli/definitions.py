@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import typer
-
 from valvetrain.cli.outcome import Outcome, deliver, plain_table
-from valvetrain.cli.request import AnswerLine, add_line
+from valvetrain.cli.request import AnswerLine, command_without_case
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import option, read_text
 
@@ -37,11 +35,6 @@ class QuantitiesLine(AnswerLine):
     )
 
 
-def register_findings(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "findings", FindingsLine, findings)
-
-
 def findings(line: FindingsLine) -> None:
     """Explain a finding: what it says, when it holds, what it reads and what to do next."""
     from valvetrain.findings.table import every_rule, explain
@@ -54,9 +47,7 @@ def findings(line: FindingsLine) -> None:
     _deliver({"findings": _objects(("code", "level", "says"), rows)}, ("", "", ""), rows)
 
 
-def register_quantities(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "quantities", QuantitiesLine, quantities)
+register_findings = command_without_case("findings", FindingsLine, findings)
 
 
 def quantities(line: QuantitiesLine) -> None:
@@ -76,6 +67,9 @@ def quantities(line: QuantitiesLine) -> None:
         )
     data = {"quantities": _objects(("name", "shown_unit", "definition"), rows)}
     _deliver(data, ("quantity", "unit", "definition"), rows)
+
+
+register_quantities = command_without_case("quantities", QuantitiesLine, quantities)
 
 
 def _objects(keys: Sequence[str], rows: Sequence[tuple[str, ...]]) -> list[dict[str, str]]:

@@ -11,18 +11,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from valvetrain.cli.request import DaskLine, add_command
+from valvetrain.cli.request import DaskLine, command_of
 from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.runs.requests import Refine
 
 if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.runs.error_bars import UncertaintyStudy
-
-
-def register_refine(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Refine, DaskLine, refine)
 
 
 def refine(request: Refine, line: DaskLine, folder: Path) -> None:
@@ -46,6 +41,9 @@ def refine(request: Refine, line: DaskLine, folder: Path) -> None:
     raise typer.Exit(
         interrupted(f"interrupted: {sentence}; start the command again to compute all of them")
     )
+
+
+register_refine = command_of(Refine, DaskLine, refine)
 
 
 def _refined(request: Refine) -> tuple[UncertaintyStudy, bool]:

@@ -157,19 +157,17 @@ class MotionLine(StudyLine, DaskLine):
     )
 
 
-def add_command(
-    app: typer.Typer,
+def command_of(
     model: type[RequestOf],
     line: type[LineOf],
     execute: Callable[[RequestOf, LineOf, Path], None],
     **always: Any,
-) -> None:
-    """Add the command of a request. ``execute`` takes the request, the command line and the folder of the case file.
+) -> Callable[[typer.Typer], None]:
+    """The function that adds the command of a request. ``execute`` takes the request, the command line and the folder of
+    the case file.
 
     ``always``: fields that the command sets itself, which are then no options.
     """
-    options = {**options_of(model), **options_of(line)}
-    options = {name: one for name, one in options.items() if name not in always}
 
     def command(**given: Any) -> None:
         typed = line.read({name: given.pop(name) for name in options_of(line)}, flags=True)
@@ -180,28 +178,33 @@ def add_command(
             request = replace(request, workers=workers)
         execute(request, typed, folder)
 
-    _add(app, model.command, execute, options, command)
+    def options() -> dict[str, Option]:
+        every = {**options_of(model), **options_of(line)}
+        return {name: one for name, one in every.items() if name not in always}
+
+    return partial(_add, model.command, execute, options, command)
 
 
-def add_line(
-    app: typer.Typer, name: str, line: type[FieldsOf], execute: Callable[[FieldsOf], None]
-) -> None:
-    """Add the command ``name``, which is about no case: ``execute`` takes its command line."""
+def command_without_case(
+    name: str, line: type[FieldsOf], execute: Callable[[FieldsOf], None]
+) -> Callable[[typer.Typer], None]:
+    """The function that adds the command ``name``, which is about no case: ``execute`` takes its command line."""
 
     def command(**given: Any) -> None:
         execute(line.read(given, flags=True))
 
-    _add(app, name, execute, options_of(line), command)
+    return partial(_add, name, execute, partial(options_of, line), command)
 
 
 def _add(
-    app: typer.Typer,
     name: str,
     execute: Callable[..., None],
-    options: Mapping[str, Option],
+    options: Callable[[], Mapping[str, Option]],
     command: Callable[..., None],
+    app: typer.Typer,
 ) -> None:
-    parameters = [_parameter(name, one) for name, one in options.items() if one.flag or one.metavar]
+    asked = options().items()
+    parameters = [_parameter(name, one) for name, one in asked if one.flag or one.metavar]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__doc__ = execute.__doc__
     app.command(name)(command)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import typer
-
 from valvetrain.cli.outcome import tell
-from valvetrain.cli.request import MotionLine, add_command
+from valvetrain.cli.request import MotionLine, command_of
 from valvetrain.cli.run_answer import answer_study
 from valvetrain.runs.requests import Compare, Run, RunUp, Sweep
 
@@ -17,11 +15,6 @@ SOLID = "solid"
 SOLID_AND_OTHERS = ("finite-element", SOLID, "modal-varied")
 #: Kernels of a sweep.
 KERNELS = ("statics", "transient", "train")
-
-
-def register_run(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Run, MotionLine, run, compute="error_bars")
 
 
 def run(request: Run, line: MotionLine, folder: Path) -> None:
@@ -44,9 +37,7 @@ def run(request: Run, line: MotionLine, folder: Path) -> None:
     answer_study(request, line, folder, run_study, request.cost())
 
 
-def register_sweep(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Sweep, MotionLine, sweep, compute="error_bars")
+register_run = command_of(Run, MotionLine, run, compute="error_bars")
 
 
 def sweep(request: Sweep, line: MotionLine, folder: Path) -> None:
@@ -59,9 +50,7 @@ def sweep(request: Sweep, line: MotionLine, folder: Path) -> None:
     answer_study(request, line, folder, sweep_study, request.cost(), KERNELS)
 
 
-def register_compare(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Compare, MotionLine, compare, compute="error_bars")
+register_sweep = command_of(Sweep, MotionLine, sweep, compute="error_bars")
 
 
 def compare(request: Compare, line: MotionLine, folder: Path) -> None:
@@ -73,9 +62,7 @@ def compare(request: Compare, line: MotionLine, folder: Path) -> None:
     answer_study(request, line, folder, compare_study, request.cost())
 
 
-def register_run_up(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, RunUp, MotionLine, run_up)
+register_compare = command_of(Compare, MotionLine, compare, compute="error_bars")
 
 
 def run_up(request: RunUp, line: MotionLine, folder: Path) -> None:
@@ -85,3 +72,6 @@ def run_up(request: RunUp, line: MotionLine, folder: Path) -> None:
     from valvetrain.runs.run_up import run_up_study
 
     answer_study(request, line, folder, run_up_study, request.cost(), ("train",))
+
+
+register_run_up = command_of(RunUp, MotionLine, run_up)

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
-from valvetrain.cli.request import AnswerLine, add_line
+from valvetrain.cli.request import AnswerLine, command_without_case
 from valvetrain.runs.request_fields import option, read_path, read_text
 
 if TYPE_CHECKING:
@@ -43,11 +41,6 @@ class CompareRunsLine(StoreLine):
     b: str = option(read_text, RUN, metavar="B")
 
 
-def register_runs(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "runs", RunsLine, runs)
-
-
 def runs(line: RunsLine) -> None:
     """List the runs that were saved, newest first, and those that were begun and not finished."""
     from valvetrain.cli.outcome import Outcome, deliver
@@ -75,6 +68,9 @@ def runs(line: RunsLine) -> None:
     deliver(Outcome(data, lambda console: console.print(screen(SavedAnswer(facts)))))
 
 
+register_runs = command_without_case("runs", RunsLine, runs)
+
+
 def _run_object(run: SavedRun) -> dict[str, Any]:
     return {
         "created_at": run.created_at,
@@ -89,11 +85,6 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
         "verdict": run.verdict or None,
         "folder": str(run.folder),
     }
-
-
-def register_compare_runs(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "compare-runs", CompareRunsLine, compare_runs)
 
 
 def compare_runs(line: CompareRunsLine) -> None:
@@ -131,3 +122,6 @@ def compare_runs(line: CompareRunsLine) -> None:
             console.print(plain_table(table.columns, table.rows))
 
     deliver(Outcome(data, show))
+
+
+register_compare_runs = command_without_case("compare-runs", CompareRunsLine, compare_runs)

@@ -6,20 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
-from valvetrain.cli.request import StudyLine, add_command
+from valvetrain.cli.request import StudyLine, command_of
 from valvetrain.cli.run_answer import answer_study
 from valvetrain.runs.cost import FEWER_AT_REST
 from valvetrain.runs.requests import Modes, Static, Watch
 
 if TYPE_CHECKING:
     from valvetrain.solution.study import Study
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Static, StudyLine, static)
 
 
 def static(request: Static, line: StudyLine, folder: Path) -> None:
@@ -44,9 +37,7 @@ def static(request: Static, line: StudyLine, folder: Path) -> None:
     answer_study(request, line, folder, compute, request.cost(), ("statics",), FEWER_AT_REST)
 
 
-def register_modes(app: typer.Typer) -> None:
-    """Add the command."""
-    add_command(app, Modes, StudyLine, modes)
+register = command_of(Static, StudyLine, static)
 
 
 def modes(request: Modes, line: StudyLine, folder: Path) -> None:
@@ -75,3 +66,6 @@ def modes(request: Modes, line: StudyLine, folder: Path) -> None:
         return replace(study, train_modes=tuple(lowest))
 
     answer_study(request, line, folder, compute, request.cost(), ("statics",), FEWER_AT_REST)
+
+
+register_modes = command_of(Modes, StudyLine, modes)

@@ -12,7 +12,7 @@ import typer
 
 from valvetrain.cli.outcome import WORTH_SAYING, at_end, deliver, tell
 from valvetrain.cli.parts import PartsLine, answer_parts
-from valvetrain.cli.request import CommandLine, add_command
+from valvetrain.cli.request import CommandLine, command_of
 from valvetrain.cli.run_answer import show_page
 from valvetrain.explore.execution import Watch
 from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study
@@ -25,21 +25,6 @@ if TYPE_CHECKING:
 POINTS = "points"
 
 
-def register(app: typer.Typer) -> None:
-    """Add ``study``."""
-    add_command(app, Study, PartsLine, study)
-
-
-def register_optimise(app: typer.Typer) -> None:
-    """Add ``optimise``."""
-    add_command(app, Optimise, CommandLine, optimise)
-
-
-def register_identify(app: typer.Typer) -> None:
-    """Add ``identify``."""
-    add_command(app, Identify, CommandLine, identify)
-
-
 def study(request: Study | Parts, line: PartsLine, folder: Path) -> None:
     """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
     Sobol indices. With --parts: which part of an engine gains most engine speed.
@@ -50,6 +35,9 @@ def study(request: Study | Parts, line: PartsLine, folder: Path) -> None:
         _answer(request, line)
 
 
+register = command_of(Study, PartsLine, study)
+
+
 def optimise(request: Optimise, line: CommandLine, _: Path) -> None:
     """Search the best spring or lift law within bounds on space, coil bind, stress, float and
     clash. A cut search is resumed.
@@ -57,11 +45,17 @@ def optimise(request: Optimise, line: CommandLine, _: Path) -> None:
     _answer(request, line)
 
 
+register_optimise = command_of(Optimise, CommandLine, optimise)
+
+
 def identify(request: Identify, line: CommandLine, _: Path) -> None:
     """Identify quantities of a case from measurements: likeliest values, intervals, separate
     solutions. A cut search is resumed.
     """
     _answer(request, line)
+
+
+register_identify = command_of(Identify, CommandLine, identify)
 
 
 def _answer(request: FileRequest, line: CommandLine) -> None:

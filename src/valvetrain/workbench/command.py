@@ -15,10 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from valvetrain.cli.outcome import complain, tell
-from valvetrain.cli.request import QuietLine, add_line
+from valvetrain.cli.request import QuietLine, command_without_case
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.runs.cost import Limits, read_limits
 from valvetrain.runs.request_fields import (
@@ -106,11 +104,6 @@ class ServeLine(QuietLine):
     )
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    add_line(app, "serve", ServeLine, serve)
-
-
 def serve(line: ServeLine) -> None:
     """Serve the workbench: choose or upload a case, change it in forms, run it, watch and compare
     its answers, in a browser.
@@ -131,6 +124,9 @@ def serve(line: ServeLine) -> None:
     if find_spec("nicegui") is None:
         raise MissingExtraError(MISSING)
     _serve(line, settings)
+
+
+register = command_without_case("serve", ServeLine, serve)
 
 
 def _serve(line: ServeLine, settings: ServeSettings) -> None:
