@@ -212,8 +212,8 @@ def test_a_curve_that_stops_before_the_installed_state_is_shown_without_it(monke
     rod = FiniteElementRod(slender(), 14e-3, 8)
     whole = statics.curve_over
 
-    def stopped(rod, places, visit=None):
-        curve, reached = whole(rod, places[:8], visit)
+    def stopped(rod, places):
+        curve, reached = whole(rod, places[:8])
         return replace(curve, status=Status("not-converged", "no equilibrium beyond")), reached
 
     monkeypatch.setattr(statics, "curve_over", stopped)

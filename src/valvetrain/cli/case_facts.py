@@ -62,11 +62,11 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
             facts.append(("", f"usual steel values at {places}"))
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))
-        for name, springs in _in_use(train):
-            texts = [", ".join((_spring_fact(one), *_no_load(loads, one))) for one in springs]
-            facts.append((f"springs '{name}'", "; ".join(texts)))
-            for spring in springs:
-                facts += _split_loads(spring)
+        springs = train.springs.get(train.spring_set, ())
+        if texts := [", ".join((_spring_fact(one), *_no_load(loads, one))) for one in springs]:
+            facts.append((f"springs '{train.spring_set}'", "; ".join(texts)))
+        for spring in springs:
+            facts += _split_loads(spring)
     if case.springs:
         cycles = case.operation.cycles or "until the motion repeats"
         facts.append(("cam revolutions", f"{cycles}, the last one reported"))
@@ -96,11 +96,6 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
     return facts
 
 
-def _in_use(train: TrainParameters) -> list[tuple[str, tuple[InstalledSpring, ...]]]:
-    """The set in use by its name."""
-    return [(name, one) for name, one in train.springs.items() if name == train.spring_set]
-
-
 def _pushrod_fact(train: TrainParameters) -> str:
     rod = train.pushrod
     assert rod is not None
@@ -125,9 +120,10 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     if problem is None or not problem.moves:
         return NO_LOADS
     lift = largest_lift(problem)
-    sets = () if case.train is None else [one for _, one in _in_use(case.train)]
     found: dict[InstalledSpring, tuple[RestPoint, RestPoint] | str] = {}
-    for spring in (*case.springs, *(one for springs in sets for one in springs)):
+    train = case.train
+    springs = () if train is None else train.springs.get(train.spring_set, ())
+    for spring in (*case.springs, *springs):
         closed = spring.precompression
         try:
             model = problem.model_of(default_model(spring), spring)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -356,7 +356,6 @@ def compress(
     statics: RodStatics,
     targets: Sequence[float],
     start: RodState | None = None,
-    visit: Callable[[Equilibrium], None] | None = None,
 ) -> list[Equilibrium]:
     """Equilibria at increasing retainer displacements (m); increments are halved where Newton fails
     and doubled after three that held.
@@ -389,6 +388,4 @@ def compress(
             if abs(target - state.compression) < 1e-12:
                 break
         found.append(result)
-        if visit:
-            visit(result)
     return found

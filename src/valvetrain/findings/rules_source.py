@@ -36,21 +36,16 @@ def _ramp(fact: Fact) -> Fields:
     return {"ramp": Amount("cam_closing_ramp_velocity", float(fact.fields["velocity"]))}
 
 
-def _rubs(fact: Fact) -> Fields:
-    return {"place": str(fact.fields["place"])}
+def _text(*names: str) -> Reader:
+    return lambda fact: {name: str(fact.fields[name]) for name in names}
+
+
+_spring = _text("spring")
 
 
 def _places(fact: Fact) -> Fields:
     places = str(fact.fields["places"]).replace("_", " ")
     return {"places": joined([one.strip() for one in places.split(",")])}
-
-
-def _spring(fact: Fact) -> Fields:
-    return {"spring": str(fact.fields["spring"])}
-
-
-def _default(fact: Fact) -> Fields:
-    return {"model": str(fact.fields["model"]), "reason": str(fact.fields["reason"])}
 
 
 def _heights(fact: Fact) -> Fields:
@@ -111,7 +106,7 @@ ASSUMED = (
          step="give them a wire: valvetrain spring-card", remark="springs by card (no clash, no stress)"),
     Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
          remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-degrees-and-heights.md"),
-    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_rubs),
+    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_text("place")),
          ("mean_cam_power",), "give it friction: --set train.contacts.{place}.friction_coefficient=0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),
          remark="loads of the pair split by wire"),
@@ -119,7 +114,7 @@ ASSUMED = (
          ("coil_bind_clearance",), remark="{spring} not checked"),
     Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
          rests_on("chain-of-wire"), remark="a chain for the wire (estimates)"),
-    Rule("A118", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_default),
+    Rule("A118", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_text("model", "reason")),
          remark="{model} since {reason}", guide="models.md"),
     Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
          step="fit the wire: valvetrain spring-card", remark="a wire assumed from the card"),

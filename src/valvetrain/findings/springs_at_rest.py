@@ -51,7 +51,8 @@ class State:
     @property
     def left(self) -> Amount | None:
         """What is left to coil bind at the largest lift; None where either is not known."""
-        return _known("coil_bind_clearance", self.solid - self.full_lift)
+        left = self.solid - self.full_lift
+        return Amount("coil_bind_clearance", left) if math.isfinite(left) else None
 
     @property
     def surge(self) -> Amount | None:
@@ -162,7 +163,3 @@ def marks_of(state: State) -> Iterator[tuple[str, float]]:
         yield "full lift", state.full_lift
     if math.isfinite(state.solid):
         yield "solid", state.solid
-
-
-def _known(name: str, value: float) -> Amount | None:
-    return Amount(name, value) if math.isfinite(value) else None

@@ -5,14 +5,13 @@ what ``valvetrain static`` and ``valvetrain modes`` show.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from valvetrain.cosserat.static import Equilibrium
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -123,18 +122,15 @@ def static_study(
             if spec.no_statics:
                 raise InputError(f"{spec.no_statics}; choose {WIRE}", "models")
             if spec.needs_rest and rod_result is None:
-                rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
+                rod_result = _by_rod(problem.model_of(WIRE, spring), end, max(modes, 8))
             if attached_mass is not None and name != WIRE:
                 raise InputError(
                     f"modes with a mass on the retainer are those of {WIRE}; leave {name} out",
                     "models",
                 )
             model = problem.model_of(name, spring, rod_result)
-            one = (
-                _by_rod(model, end, steps, modes, attached_mass)
-                if isinstance(model, FiniteElementRod) and spring.wire is not None
-                else statics_by_model(spring, name, model, np.linspace(0.0, end, steps + 1), modes)
-            )
+            places = np.linspace(0.0, end, steps + 1)
+            one = statics_by_model(spring, name, model, places, modes, attached_mass)
             one = replace(one, points=requested_points(spring, model, one, heights, loads))
             found.append(one if implausible else plausible_rest(one))
             label = f"{one.spring}, {one.model}"
@@ -210,9 +206,7 @@ def curve_by_model(
         raise InputError(reason, "spring_model")
     if spec.no_statics:
         raise InputError(f"{spec.no_statics}; choose another model", "spring_model")
-    rod_result = (
-        _by_rod(spring_model(WIRE).build(spring), end, None, 8) if spec.needs_rest else None
-    )
+    rod_result = _by_rod(spring_model(WIRE).build(spring), end, 8) if spec.needs_rest else None
     model = spec.build(spring, rod_result)
     one = statics_by_model(spring, name, model, np.linspace(0.0, end, steps + 1), 0)
     curve = (one if implausible else plausible_rest(one)).curve
@@ -236,17 +230,15 @@ def rod_statics(
     largest_compression: float,
     steps: int | None = None,
     modes: int = MODES,
-    visit: Callable[[Equilibrium], None] | None = None,
     attached_mass: float | None = None,
 ) -> SpringAtRest:
-    """Static curve, modes and stress of a wire by the finite-element rod; ``visit`` is called with
-    each equilibrium.
+    """Static curve, modes and stress of a wire by the finite-element rod.
 
     ``steps``: even steps of the curve, None for the points of its path. ``attached_mass`` (kg):
     moves with the retainer in the modes, 0 for a free end, None for both ends fixed.
     """
     begun = time.perf_counter()
-    curve, stress = static_curve(rod, largest_compression, steps, visit)
+    curve, stress = static_curve(rod, largest_compression, steps)
     points = curve if curve.path is None else curve.path
     # A curve may stop before the installed state.
     installed = bool(points.compression[-1] >= rod.precompression * (1 - 1e-9))
@@ -273,7 +265,6 @@ def static_curve(
     rod: FiniteElementRod,
     largest_compression: float,
     steps: int | None = None,
-    visit: Callable[[Equilibrium], None] | None = None,
 ) -> tuple[StaticCurve, StaticStress | None]:
     """Static curve (SI) from the free state to ``largest_compression`` (m) in even ``steps``, and
     the stress of the wire.
@@ -284,7 +275,7 @@ def static_curve(
     """
     if rod.dynamics.contact_stiffness > 0:
         rod.definition.refuse_solid(largest_compression)
-    path, reached = curve_over(rod, path_points(rod.precompression, largest_compression), visit)
+    path, reached = curve_over(rod, path_points(rod.precompression, largest_compression))
     buckling, leaning = find_buckling(rod, reached), find_leaning(rod, reached)
     status = path_status(rod, buckling, leaning)
     if status is not None and (path.status.completed or not status.completed):
@@ -298,16 +289,21 @@ def static_curve(
         stress = StaticStress(path.compression, coil, found[SHEAR], found[EQUIVALENT])
     if steps is None:
         return path, stress
-    curve, _ = curve_over(rod, np.linspace(0.0, largest_compression, steps + 1), visit)
+    curve, _ = curve_over(rod, np.linspace(0.0, largest_compression, steps + 1))
     status = path.status if curve.status.completed or buckling is not None else curve.status
     return replace(curve, path=path, status=status, buckling=buckling, leaning=leaning), stress
 
 
 def statics_by_model(
-    spring: InstalledSpring, name: str, model: SpringModel, compressions: Array, modes: int = 12
+    spring: InstalledSpring,
+    name: str,
+    model: SpringModel,
+    compressions: Array,
+    modes: int = 12,
+    attached_mass: float | None = None,
 ) -> SpringAtRest:
     """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring
-    by any ``model``.
+    by any ``model``; ``attached_mass`` as for :func:`rod_statics`.
 
     A model of the installed state and those above it gives its curve from there on; the curve of a
     card is the card's by every model. Raises :class:`InputError` for compressions at which the coils are solid.
@@ -319,7 +315,8 @@ def statics_by_model(
         found_by_rod = statics_by_model(spring, name, model.rod, compressions, modes)
         return replace(found_by_rod, model=name)
     if isinstance(model, FiniteElementRod) and spring.wire is not None:
-        return rod_statics(model, float(compressions[-1]), len(compressions) - 1, modes)
+        steps = len(compressions) - 1
+        return rod_statics(model, float(compressions[-1]), steps, modes, attached_mass)
     path = _curve_of(spring, model, path_points(spring.precompression, float(compressions[-1])))
     curve = replace(_curve_of(spring, model, compressions), path=path)
     frequencies = axial_frequencies(model, modes)
@@ -518,15 +515,9 @@ def path_points(precompression: float, reach: float) -> Array:
     return np.append(approach, np.linspace(precompression, reach, BEYOND + 1)[1:])
 
 
-def _by_rod(
-    rod: SpringModel,
-    reach: float,
-    steps: int | None,
-    modes: int,
-    attached_mass: float | None = None,
-) -> SpringAtRest:
+def _by_rod(rod: SpringModel, reach: float, modes: int) -> SpringAtRest:
     assert isinstance(rod, FiniteElementRod)
-    return rod_statics(rod, reach, steps, modes, attached_mass=attached_mass)
+    return rod_statics(rod, reach, None, modes)
 
 
 def _compressed(spring: InstalledSpring, compression: float) -> InstalledSpring:

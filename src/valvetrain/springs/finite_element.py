@@ -4,7 +4,6 @@ all coils.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -192,17 +191,15 @@ Array = NDArray[np.float64]
 ROUND_OFF_SHARE = 1e-11
 
 
-def curve_over(
-    rod: RodModel, compressions: Array, visit: Callable[[Equilibrium], None] | None = None
-) -> tuple[StaticCurve, list[Equilibrium]]:
+def curve_over(rod: RodModel, compressions: Array) -> tuple[StaticCurve, list[Equilibrium]]:
     """Curve over rising ``compressions`` (m) from the free state on, as far as equilibria are
     found, and those.
 
-    Ends early with a status. ``visit`` is called with each equilibrium.
+    Ends early with a status.
     """
     path = [
         rod.statics.solve(free_state(rod.mesh), 0.0),
-        *compress(rod.statics, compressions[1:].tolist(), visit=visit),
+        *compress(rod.statics, compressions[1:].tolist()),
     ]
     reached = [point for point in path if point.converged]
     status = COMPLETED

@@ -143,18 +143,14 @@ def _meetings(
         return cell
 
     first = min((one.surge.value for one in states if one.surge), default=math.nan)
-    for order in _orders(facts, first) if math.isfinite(first) else ():
+    if not math.isfinite(first):
+        return
+    highest, *lowest = orders_of(facts, first)
+    few = range(highest, lowest[0] - 1, -2) if lowest else strongest(facts, first, MODES)
+    for order in few:
         lift = lift_of(facts, order)
         size = "" if lift is None else f", {words.amount(lift)} of lift"
         yield f"cam order {order}", read(order), f"meets axial mode 1{size}"
-
-
-def _orders(facts: Facts, natural_frequency: float) -> tuple[int, ...]:
-    """Cam orders that are rows: a few that meet a ``natural_frequency`` (Hz)."""
-    first, *last = orders_of(facts, natural_frequency)
-    return (
-        tuple(range(first, last[0] - 1, -2)) if last else strongest(facts, natural_frequency, MODES)
-    )
 
 
 # -- tables ----------------------------------------------------------------------------------------

@@ -67,11 +67,10 @@ def _comparison_object(row: Comparison) -> dict[str, Any]:
         **{
             name: None if value is None else measured(value, unit) for name, value in values.items()
         },
-        "verdict": row.verdict,
-        "source": row.source,
-        "used_for": row.used_for,
-        "doubt": row.doubt,
-        "reading": row.reading,
+        **{
+            name: getattr(row, name)
+            for name in ("verdict", "source", "used_for", "doubt", "reading")
+        },
         "samples": None
         if row.samples is None
         else {
@@ -250,23 +249,13 @@ def _run_object(run: Solution) -> dict[str, Any]:
 def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
     """A critical speed; ``engine_speed`` is null where control is not lost within ``searched``."""
 
-    def bracket(found: SpeedBracket | None) -> dict[str, Any] | None:
-        if found is None:
-            return None
-        return {
-            "lower": measured(rpm(found.lower_engine_speed), "rpm"),
-            "upper": measured(rpm(found.upper_engine_speed), "rpm"),
-        }
+    def within(engine_speed: float) -> dict[str, Any] | None:
+        return engine_speed_object(engine_speed if 0 < engine_speed < math.inf else None)
 
-    def reach(found: SpeedBracket | None) -> dict[str, Any] | None:
+    def bracket(found: SpeedBracket) -> dict[str, Any]:
         """A range; an end beyond the speeds searched is null."""
-        if found is None:
-            return None
         ends = {"lower": found.lower_engine_speed, "upper": found.upper_engine_speed}
-        return {
-            name: measured(rpm(end), "rpm") if 0 < end < math.inf else None
-            for name, end in ends.items()
-        }
+        return {name: within(end) for name, end in ends.items()}
 
     return {
         "label": one.label,
@@ -275,15 +264,13 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
         "engine_speed": engine_speed_object(one.engine_speed) if one.found else None,
-        "range": reach(one.span),
+        "range": one.span and bracket(one.span),
         "range_causes": list(one.causes),
         "members": [
             {
                 "cause": each.cause,
                 "change": each.change,
-                "engine_speed": engine_speed_object(each.engine_speed)
-                if 0 < each.engine_speed < math.inf
-                else None,
+                "engine_speed": within(each.engine_speed),
                 "lost_from_the_first": each.engine_speed <= 0,
                 "pulled": [bracket(every) for every in each.pulled],
                 "refusal": each.refusal,
@@ -295,7 +282,7 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "cause": one.cause,
         "spring_force_loss": measured(one.spring_force_loss, "N"),
         "text": one.text,
-        "ranges": [reach(each) for each in one.ranges],
+        "ranges": [bracket(each) for each in one.ranges],
         "short_count": measured(one.short_count, "1"),
         "falling_engine_speed": engine_speed_object(one.falling_engine_speed)
         if one.both_motions
