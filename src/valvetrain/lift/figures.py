@@ -73,7 +73,7 @@ class LobeResult:
 
 
 def lift_figures(
-    smoothed: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT, seed: int = 0
+    smoothed: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT
 ) -> tuple[LiftFigure, ...]:
     """Figures of one lobe.
 
@@ -82,7 +82,6 @@ def lift_figures(
     smoothed : from :func:`smooth_lift`
     heights : lifts (m) at which durations are reported in addition to 0.050 in and 1 mm
     lash : lift (m) at which the velocities of the ramps are reported
-    seed : of the draws behind the standard deviations
 
     Returns
     -------
@@ -102,7 +101,7 @@ def lift_figures(
     9.0
     """
     grid = np.linspace(*smoothed.event, STATIONS)
-    every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
+    every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, 0)])
     curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
     levels = {height_text(height): height for height in _every(heights)}
@@ -167,15 +166,15 @@ def overshoot(smoothed: SmoothedLift, sign: int) -> tuple[float, float]:
 
 
 def pair_figures(
-    intake: SmoothedLift, exhaust: SmoothedLift, heights: Sequence[float] = (), seed: int = 0
+    intake: SmoothedLift, exhaust: SmoothedLift, heights: Sequence[float] = ()
 ) -> tuple[LiftFigure, ...]:
     """Lobe separation (cam rad) and overlap (crank rad) at 0.050 in, 1 mm and ``heights`` (m) of
     two lobes on one zero of the angle.
     """
     ends: dict[str, dict[float, tuple[Array, Array]]] = {}
-    for name, lift, own_seed in (("intake", intake, seed), ("exhaust", exhaust, seed + 1)):
+    for seed, (name, lift) in enumerate((("intake", intake), ("exhaust", exhaust))):
         grid = np.linspace(*lift.event, STATIONS)
-        curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
+        curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, seed)]), grid, 0)
         ends[name] = {
             height: crossings(grid, curves, height)
             for height in _every(heights)

@@ -45,9 +45,9 @@ def lift_of_case(file: Path) -> tuple[MeasuredLift, float | None]:
     return MeasuredLift("lift", angles, lifts, case.lift_law.lift_of, "case"), top
 
 
-def typed_figures(cams: Sequence[CamEvents], height: float = CARD) -> tuple[LiftFigure, ...]:
-    """Duration and lobe centre of each cam (crank rad) at a ``height`` (m); lobe separation (cam rad) and overlap of two."""
-    at, figures = height_text(height), []
+def typed_figures(cams: Sequence[CamEvents]) -> tuple[LiftFigure, ...]:
+    """Duration and lobe centre of each cam (crank rad) at 0.050 in; lobe separation (cam rad) and overlap of two."""
+    at, figures = height_text(CARD), []
     for cam in cams:
         side = "before" if cam.valve == "exhaust" else "after"
         figures += [

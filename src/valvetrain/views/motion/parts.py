@@ -221,9 +221,7 @@ def _peaks(run: Solution, cycle: Cycle) -> list[Mark]:
 LOBE_POINTS, CIRCLE_POINTS = 720, 40
 
 
-def lobe_outline(
-    kind: int, row: Array, table: Array, follower_radius: float, points: int = LOBE_POINTS
-) -> Array:
+def lobe_outline(kind: int, row: Array, table: Array, follower_radius: float) -> Array:
     """Outline (point, 2) of a cam in its own frame, which coincides with the plane's at cam angle zero.
 
     Parameters
@@ -232,7 +230,6 @@ def lobe_outline(
     row : geometry row of the cam contact
     table : (nodes, 3) contour table, m and its derivatives by the cam angle
     follower_radius : arc (m) of a round follower
-    points : points of the outline, taken from the table's nodes
 
     Returns
     -------
@@ -241,7 +238,7 @@ def lobe_outline(
     ``reference - sense chi``. A flat face touches it at h n + h' t; a round one at the pitch curve
     less its radius along the normal.
     """
-    step = max(1, len(table) // points)
+    step = max(1, len(table) // LOBE_POINTS)
     value, slope = table[::step, 0], table[::step, 1]
     reference, sense = float(row[9]), float(row[10])
     polar = reference - sense * np.arange(0, len(table), step) * 2 * np.pi / len(table)
@@ -257,11 +254,9 @@ def lobe_outline(
     return found
 
 
-def circle(
-    radius: float, centre: tuple[float, float] = (0.0, 0.0), points: int = CIRCLE_POINTS
-) -> Array:
+def circle(radius: float, centre: tuple[float, float] = (0.0, 0.0)) -> Array:
     """Outline of a circle."""
-    turn = np.arange(points) * 2 * np.pi / points
+    turn = np.arange(CIRCLE_POINTS) * 2 * np.pi / CIRCLE_POINTS
     return np.column_stack([centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)])
 
 

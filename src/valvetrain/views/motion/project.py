@@ -231,9 +231,7 @@ def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
     )
 
 
-def _wire(
-    spring: SpringDrawing, frame: int, view: tuple[float, float], strips: int = STRIPS
-) -> list[Flat]:
+def _wire(spring: SpringDrawing, frame: int, view: tuple[float, float]) -> list[Flat]:
     """The wire, in its first colouring, as a ribbon of its own width, in strips across that are lit
     as a round bar is.
     """
@@ -252,7 +250,7 @@ def _wire(
     )
     half = np.interp(coil, spring.coil, spring.wire_radius)[:, None]
     depth = (seen[1:, 2] + seen[:-1, 2]) / 2
-    edges, found = np.linspace(-1.0, 1.0, strips + 1), []
+    edges, found = np.linspace(-1.0, 1.0, STRIPS + 1), []
     for low, high in pairwise(edges):
         side = (low + high) / 2
         light = side * (across[:-1] @ LIGHT[:2]) + np.sqrt(1 - side**2) * LIGHT[2]
