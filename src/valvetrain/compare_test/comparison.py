@@ -16,6 +16,7 @@ from valvetrain.compare_test.adequacy import (
     LEVEL,
     MIN_REPEATS,
     AdequacyTest,
+    Array,
     DifferenceBand,
     adequacy_test,
     difference_band,
@@ -32,8 +33,6 @@ from valvetrain.solution.definition import angle_name
 from valvetrain.solution.result import Solution
 from valvetrain.units import dimension_of, dimension_powers, parse_quantity
 from valvetrain.units.text import split_quantity
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from valvetrain.cam.contract import build_lift_law
+from valvetrain.cam.contract import Array, build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import TURN, Lift, is_closed, mean_of, segments
 from valvetrain.film.result import CoilMotion
@@ -24,7 +23,6 @@ from valvetrain.solution.display import Shown
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
 
-Array = NDArray[np.float64]
 #: Steps (turns) in which the place of the first coil along the wire is looked for.
 STEP = 0.02
 #: How far (cam deg) the zero of a film may be off that comes from a lift alone.

@@ -8,12 +8,12 @@ import os
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import (
     SPOKEN_OF,
     TURN,
+    Array,
     CamPhase,
     CoilPeak,
     Lift,
@@ -36,7 +36,6 @@ from valvetrain.film.surge import fit_surge
 from valvetrain.film.tracks import Tracks, track
 from valvetrain.measured.cycles import MeasuredCycles
 
-Array = NDArray[np.float64]
 #: Cam angles of the written curves: whole degrees.
 ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.film.profile import (
     FINE,
+    Array,
     Profiles,
     find_coils,
     fit,
@@ -19,7 +20,6 @@ from valvetrain.film.profile import (
 )
 from valvetrain.film.space_time import SpaceTime
 
-Array = NDArray[np.float64]
 #: Standard deviation of a prediction in parts of the coils' spacing.
 PREDICTED = 0.12
 

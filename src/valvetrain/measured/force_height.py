@@ -14,11 +14,10 @@ from scipy.stats import spearmanr
 
 from valvetrain.errors import InputError
 from valvetrain.measured.door import Doubt, refuse_beyond
-from valvetrain.measured.force_curve import Estimate, ForceCurve, force_curve
+from valvetrain.measured.force_curve import Array, Estimate, ForceCurve, force_curve
 from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_content, read_text_table, text_of
 from valvetrain.units import dimension_of, unit_factor
 
-Array = NDArray[np.float64]
 #: Larger files, and more lines, are no tables of a spring tester.
 MAX_BYTES, MAX_LINES = 20_000_000, 200_000
 #: Pattern of a heading -> what the column is; the first that fits.

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measured.contours import Follower, lift_of_contour
+from valvetrain.measured.contours import Array, Follower, lift_of_contour
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns, LiftFormat
 from valvetrain.measured.stations import Dust, base_of, dust_of, events_of, turned
@@ -23,7 +22,6 @@ from valvetrain.measured.tables import read_content
 from valvetrain.solution.display import Shown
 from valvetrain.units import dimension_of, unit_factor
 
-Array = NDArray[np.float64]
 #: Source of an answer: the file itself, the user (``asked``), or an assumption, which is reported.
 Teller = Literal["file", "asked", "assumed"]
 

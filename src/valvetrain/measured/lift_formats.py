@@ -9,13 +9,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_text_table, text_of
+from valvetrain.measured.tables import UNIT_NAMES, Array, TextTable, read_text_table, text_of
 from valvetrain.measured.workbooks import EXTRA, MARKS, MAX_COLUMNS, MAX_ROWS, sheets_of
 
-Array = NDArray[np.float64]
 #: What a column may be.
 COLUMN_NAMES = (
     "angle",

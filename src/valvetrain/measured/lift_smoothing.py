@@ -19,11 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.stations import events_of, last_digit
+from valvetrain.measured.stations import Array, events_of, last_digit
 from valvetrain.solution.display import Shown
 from valvetrain.units import si_array
 
-Array = NDArray[np.float64]
 DEGREE = 5
 TURN = 2 * np.pi
 #: Rounds in which the local scale of the jerk is found; the first has one scale for the whole

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import stated_speed
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.tables import (
+    Array,
     comments_in,
     name_and_unit,
     number_of,
@@ -26,7 +26,6 @@ from valvetrain.measured.tables import (
 from valvetrain.units import DIMENSIONS, dimension_of, dimension_powers, parse_quantity, unit_factor
 from valvetrain.units.text import clipped
 
-Array = NDArray[np.float64]
 #: Larger files, and longer tables, are none of values.
 MAX_BYTES, MAX_ROWS, MAX_REPEATS = 5_000_000, 2000, 200
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,119}")

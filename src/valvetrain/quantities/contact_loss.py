@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.mechanism.gaps import table_value
-from valvetrain.system.rigid_pose import RigidPoses, soft_forces
+from valvetrain.system.rigid_pose import Array, RigidPoses, soft_forces
 from valvetrain.system.train_forces import gap_states
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 #: Distance (rad) from a jump of the law at which its two sides are looked at.
 NEXT_TO = 1e-9
 #: Lowest local minima of the coarse search that are followed to their exact angle: how many, and up

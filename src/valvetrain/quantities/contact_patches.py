@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from valvetrain.coil_contact.line_contact import line_contact
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.solution.result import Solution
+from valvetrain.solution.result import Array, Solution
 
-Array = NDArray[np.float64]
 #: What the wire touches -> channel of the force per length there.
 LINE_FORCES = {
     "coil below": "coil_line_force",

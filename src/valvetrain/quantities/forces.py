@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.signal import extreme_series, fine_series
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.force_peak import ForcePeak, bandwidth_of, force_peak
+from valvetrain.solution.force_peak import Array, ForcePeak, bandwidth_of, force_peak
 from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> its part of a quantity's name.
@@ -135,7 +134,6 @@ def bind_clearances(springs: Sequence[InstalledSpring], largest: float) -> dict[
     return {"coil_bind_clearance": min(found.values()), **(each if len(springs) > 1 else {})}
 
 
-Array = NDArray[np.float64]
 _CHANNELS = ("kinetic_energy", "elastic_energy", "work_done", "energy_dissipated")
 
 

@@ -9,17 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
+from valvetrain.mechanism.contour import Array, curvature_radius_flat, curvature_radius_round
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.quantities.contact_loss import ContactLoss, ContactShares, RigidForces
 from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
 from valvetrain.system.train_system import TrainSystem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

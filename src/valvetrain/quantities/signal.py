@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import is_closed
-from valvetrain.solution.force_peak import FILTER_ORDER
+from valvetrain.solution.force_peak import FILTER_ORDER, Array
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
-
-Array = NDArray[np.float64]
 
 
 def low_pass(time: Array, values: Array, cutoff_frequency: float, closed: bool = False) -> Array:

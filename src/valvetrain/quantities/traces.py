@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.sensor import Sensor
+from valvetrain.measured.sensor import Array, Sensor
 from valvetrain.quantities.cycle import is_closed, reported_cycle
 from valvetrain.quantities.forces import END_FORCES, fine_of_cycle
 from valvetrain.solution.result import Solution
 
-Array = NDArray[np.float64]
 _TURN = 2 * np.pi
 #: Name -> channel of the same curve under the name that quantities have.
 ALIASES = {word: channel for channel, word in END_FORCES.items()}

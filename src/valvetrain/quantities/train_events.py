@@ -10,15 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash import runs
+from valvetrain.integrate.clash import Array, runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED, openings_by_law
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Detail, Event
-
-Array = NDArray[np.float64]
 
 SMALLEST_GAP = 2e-6
 """Gaps below this (m) are vibration of a contact, not an event, while the valve is near its seat; wide

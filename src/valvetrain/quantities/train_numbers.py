@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.train_channels import load_name, peak_forces
+from valvetrain.integrate.train_channels import Array, load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
@@ -163,7 +163,6 @@ def of_kind(events: Sequence[Event], kind: str) -> tuple[Event, ...]:
     return tuple(event for event in events if event.kind == kind)
 
 
-Array = NDArray[np.float64]
 _TURN = 2 * np.pi
 
 

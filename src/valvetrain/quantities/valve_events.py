@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.cam.contract import LiftLaw
+from valvetrain.cam.contract import Array, LiftLaw
 from valvetrain.cam.pieces import solve
 from valvetrain.measured.cam_events import against_dead_centre
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
@@ -21,7 +20,6 @@ from valvetrain.quantities.signal import ring_peak
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 
-Array = NDArray[np.float64]
 _TURN = 2 * np.pi
 #: Name of a height in names of quantities -> the height (m).
 HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}

@@ -11,12 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
-from valvetrain.measured.tables import UNIT_NAMES
+from valvetrain.measured.tables import UNIT_NAMES, Array
 from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.schema_types import (
     Angle,
@@ -38,7 +37,6 @@ from valvetrain.units import (
     unit_factor,
 )
 
-Array = NDArray[np.float64]
 #: How the question of the dwell reads in a refusal.
 DWELL = "the dwell in which the zero is taken, such as '-30, 30 deg'"
 RigFrequency = Annotated[float, amount("frequency", low=0.0, high=1e9, open_low=True)]

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.rig.alignment import Lift, align_lift
+from valvetrain.rig.alignment import Array, Lift, align_lift
 from valvetrain.rig.channels import (
     DWELL,
     RigAnswers,
@@ -37,7 +36,6 @@ from valvetrain.rig.shaft import REVOLUTION, ShaftAngle, shaft_of
 from valvetrain.system.build import build
 from valvetrain.units import parse_quantity
 
-Array = NDArray[np.float64]
 #: Angles at which the dwell is looked for.
 DWELL_ANGLES = 720
 

@@ -6,17 +6,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.rig.alignment import LiftAlignment
+from valvetrain.rig.alignment import Array, LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.solution.display import Reported
-
-Array = NDArray[np.float64]
 
 
 def student(count: int) -> float:

@@ -16,9 +16,8 @@ from scipy.ndimage import median_filter
 
 from valvetrain.errors import InputError
 from valvetrain.rig.channels import ChosenChannels, RigAnswers
-from valvetrain.rig.reader import RigChannel
+from valvetrain.rig.reader import Array, RigChannel
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 REVOLUTION = 2 * np.pi
 #: Crank revolutions per cam revolution.

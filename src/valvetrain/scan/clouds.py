@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import read_content, read_text_table, text_of
+from valvetrain.measured.tables import Array, read_content, read_text_table, text_of
 from valvetrain.parameters.bounded_file import file_head
 
-Array = NDArray[np.float64]
 #: Most columns and lines of a table of points.
 MAX_COLUMNS, MAX_LINES = 100, 50_000_000
 #: Larger files are refused (bytes), and points drawn from the faces of a mesh.

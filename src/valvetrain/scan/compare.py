@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
@@ -19,7 +18,6 @@ from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.display import Shown
 from valvetrain.solution.study import Study
 
-Array = NDArray[np.float64]
 #: Natural frequencies that are searched, and axial ones that are compared.
 MODES, AXIAL = 24, 3
 #: Share by which the frequency of a mode may differ from the design's.

@@ -7,14 +7,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
+from valvetrain.parameters.curves import Array, Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.scan.fit import FittedSpring
 from valvetrain.scan.result import ScanCurves
 
-Array = NDArray[np.float64]
 #: Stations of the curves per turn.
 STATIONS = 16
 #: Difference of diameter or pitch of both halves, as a share, from which it shows which end is the

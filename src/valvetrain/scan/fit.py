@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.scan.axis import MIN_TURNS, Frame, find_axis, find_sections, follow
+from valvetrain.scan.axis import MIN_TURNS, Array, Frame, find_axis, find_sections, follow
 from valvetrain.scan.tube import OnWire, Tube, fit_tube, place, start_tube
 
-Array = NDArray[np.float64]
 #: Turns beyond the sections in which a tip is looked for, and turns of a bin there.
 BEYOND, BIN = 0.5, 0.01
 #: Points inside the wire are this many standard deviations and at least this share of its radius

@@ -15,11 +15,10 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.definition import curves_of, define, round_wire, upside_down
 from valvetrain.scan.fit import FittedSpring, fit_spring, seen_around, unseen_sector
-from valvetrain.scan.result import Coverage, ScannedSpring, WireSection
+from valvetrain.scan.result import Array, Coverage, ScannedSpring, WireSection
 from valvetrain.scan.tube import TUKEY
 from valvetrain.units import dimension_of, unit_factor
 
-Array = NDArray[np.float64]
 #: Points that are drawn, fewest that define a spring, and share of rows without numbers from which a
 #: file is taken to be damaged.
 DRAWN, MIN_POINTS, DAMAGED = 100_000, 1500, 0.1

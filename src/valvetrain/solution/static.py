@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Saveable, frame, span, value_text
-from valvetrain.solution.modes import ModalResult, check_shapes
+from valvetrain.solution.modes import Array, ModalResult, check_shapes
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
@@ -61,9 +60,6 @@ def named(point: RestPoint, before: str = "") -> dict[str, float]:
     """
     values = {name: getattr(point, field) for field, name in POINT_QUANTITIES.items()}
     return {before + name: float(value) for name, value in values.items() if value is not None}
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

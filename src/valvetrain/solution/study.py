@@ -9,13 +9,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import definition_of, is_defined
 from valvetrain.solution.display import Reported, value_text, verdict_first
-from valvetrain.solution.modes import TrainModes
+from valvetrain.solution.modes import Array, TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-Array = NDArray[np.float64]
 #: What a gap of a study that was stopped begins with.
 INTERRUPTED = "interrupted"
 #: Commands whose study is a sweep over engine speed.

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from valvetrain.errors import InputError
-from valvetrain.measured.force_curve import Estimate
+from valvetrain.measured.force_curve import Array, Estimate
 from valvetrain.measured.force_height import ForceHeight
 from valvetrain.parameters.constructors import RAMP
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
@@ -29,7 +28,6 @@ from valvetrain.spring_card.card import (
 )
 from valvetrain.spring_card.fit import forces_at
 
-Array = NDArray[np.float64]
 Closes = Literal["lower", "upper", "both"]
 #: Places along the wire and forces on which the closing of the coils is computed; stiffness of
 #: closed coils (N/m).
