@@ -300,8 +300,7 @@ class DifferenceBand:
     @property
     def outside(self) -> NDArray[np.bool_]:
         """Angles at which the band leaves zero out: of a true model one turn in twenty has any."""
-        found: NDArray[np.bool_] = np.abs(self.difference) > self.half_width
-        return found
+        return np.abs(self.difference) > self.half_width
 
 
 def difference_band(

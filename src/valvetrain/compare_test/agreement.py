@@ -112,8 +112,7 @@ def shifted(values: Array, later: float) -> Array:
     """
     spectrum = np.fft.rfft(values)
     turn = np.exp(-1j * np.arange(len(spectrum)) * later)
-    found: Array = np.fft.irfft(spectrum * turn, len(values))
-    return found
+    return np.fft.irfft(spectrum * turn, len(values))
 
 
 def _even(cam_angle: Array, rows: Array) -> Array:

@@ -149,8 +149,7 @@ class RigidForces:
         )
         ratio = -shares.static / np.where(shares.inertia < 0, shares.inertia, -1.0)
         squares = np.where(shares.static <= 0, 0.0, np.where(shares.inertia < 0, ratio, np.inf))
-        found: Array = np.where(opened, squares, np.inf)
-        return found
+        return np.where(opened, squares, np.inf)
 
     def _minima(
         self, points: Array, segment: NDArray[np.int64], starts: Sequence[tuple[float, int, int]]

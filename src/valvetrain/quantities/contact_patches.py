@@ -135,8 +135,7 @@ def ground_width(wire: SpringDefinition, coil: Array, end: str) -> Array:
     level = np.asarray(wire.centreline(coil))[:, 2]
     height = level - wire.lower_seat_height if end == "seat" else wire.upper_seat_height - level
     radius = np.asarray(wire.wire_diameter.value(coil)) / 2
-    found: Array = 2 * np.sqrt(np.maximum(radius**2 - height**2, 0.0))
-    return found
+    return 2 * np.sqrt(np.maximum(radius**2 - height**2, 0.0))
 
 
 def hertz_of(

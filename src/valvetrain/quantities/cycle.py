@@ -12,9 +12,11 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.solution.cycle_view import angle_within, last_revolution
-from valvetrain.solution.result import Array, Solution
+from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

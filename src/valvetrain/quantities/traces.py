@@ -59,8 +59,7 @@ class Trace:
 
     def at(self, cam_angle: Array) -> Array:
         """Values at cam angles (rad, any turn), straight between samples."""
-        found: Array = np.interp(cam_angle % _TURN, self.cam_angle, self.values, period=_TURN)
-        return found
+        return np.interp(cam_angle % _TURN, self.cam_angle, self.values, period=_TURN)
 
     def through(self, sensor: Sensor) -> Trace:
         """What a gauge shows of it, turn after turn."""

@@ -48,8 +48,7 @@ class LiftAlignment:
     @property
     def residual(self) -> Array:
         """Measured lift minus the lift of the case with gain and base (m)."""
-        residual: Array = self.measured - self.base - self.gain * self.model
-        return residual
+        return self.measured - self.base - self.gain * self.model
 
 
 def align_lift(rig_angle: Array, measured: Array, case_lift: Lift) -> LiftAlignment:

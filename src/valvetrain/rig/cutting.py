@@ -75,8 +75,7 @@ class LowPass:
         window = np.i0(_BETA * np.sqrt(np.clip(1 - (away / self._half) ** 2, 0, None))) / np.i0(
             _BETA
         )
-        kernel: Array = np.where(away <= self._half, cutoff * np.sinc(cutoff * away) * window, 0.0)
-        return kernel
+        return np.where(away <= self._half, cutoff * np.sinc(cutoff * away) * window, 0.0)
 
     def at(self, values: Array, start: float, times: Array) -> Array:
         """Filtered values at ``times`` (s); ``values`` begin at ``start`` (s). NaN where the kernel

@@ -7,15 +7,18 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Saveable, frame, span, value_text
-from valvetrain.solution.modes import Array, ModalResult, check_shapes
+from valvetrain.solution.modes import ModalResult, check_shapes
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import Given, si
 
 if TYPE_CHECKING:
     import pandas
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

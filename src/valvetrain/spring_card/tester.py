@@ -132,8 +132,7 @@ def closing_forces(definition: SpringDefinition, heights: Array) -> Array:
     )
     force = np.linspace(0.0, 3 * float(np.max(gap / give)) + 1.0, FORCES)
     shorter = np.trapezoid(np.minimum(force[:, None] * give, gap), coil, axis=1) + force / CLOSED
-    found: Array = np.interp(definition.free_length - heights, shorter, force)
-    return found
+    return np.interp(definition.free_length - heights, shorter, force)
 
 
 def fit_closing(
