@@ -119,12 +119,9 @@ BUILT_IN["displays"] = {
 #: Kind of result -> what writes the files of its ``save()`` (any result) or ``report()``.
 BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
-    "scan": "valvetrain.scan.files:report_scan",
-    "film": "valvetrain.film.files:report_film",
+    "page": "valvetrain.views.results:report_result",
     "study": "valvetrain.views.results:write_study",
     "points": "valvetrain.explore.results:report",
-    "rig": "valvetrain.rig.answer:report_rig",
-    "compare-test": "valvetrain.compare_test.answer:report_compare_test",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

@@ -16,16 +16,13 @@ from valvetrain.compare_test.adequacy import LEVEL, chance_text
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest
 from valvetrain.compare_test.rules import OFF, RULES, AgainstTest, furthest, phase
-from valvetrain.compare_test.tables import write_compare_test
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.views.columns import table_of
-from valvetrain.views.results import report_answer
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.study_files import StudyFiles
 from valvetrain.views.style import (
     ANGLE,
     BAD,
@@ -188,6 +185,10 @@ class AgainstTestAnswer(ShownByRules):
                 )
         return made
 
+    def write(self, folder: Path) -> list[Path]:
+        """Curves or values as CSV."""
+        return tables.write_compare_test(self.result, folder)
+
     def figures(self) -> Mapping[str, FigureSpec]:
         """Both curves with their difference, or the values in scatters."""
         if self.facts.cycles is None:
@@ -275,8 +276,3 @@ def values_figure(facts: AgainstTest) -> go.Figure | None:
     fig.update_layout(hovermode="closest", margin={"l": 300})
     fig.update_yaxes(autorange="reversed", tickvals=names)
     return fig
-
-
-def report_compare_test(result: ModelAgainstTest, folder: Path) -> StudyFiles:
-    """The page of a comparison and the files of :func:`write_compare_test`."""
-    return report_answer(AgainstTestAnswer(result), folder, write_compare_test(result, folder))

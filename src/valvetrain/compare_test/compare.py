@@ -68,8 +68,6 @@ class ModelAgainstTest(Reported):
     'one cycle shows no scatter, so there is no F-test; give two or more repeats'
     """
 
-    report_word = "compare-test"
-
     study: Study
     test: MeasuredCycles | ValueTable
     runs: tuple[RunAgainstTest, ...]

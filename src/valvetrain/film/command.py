@@ -4,7 +4,6 @@ lines and damping out.
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -78,8 +77,7 @@ def film(
     """
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, busy
-    from valvetrain.film.answer import FilmAnswer
-    from valvetrain.film.files import film_json, write_film
+    from valvetrain.film.answer import FilmAnswer, film_json
     from valvetrain.film.model import film_over_model
     from valvetrain.film.motion import coil_motion
     from valvetrain.film.setup import FilmSetup
@@ -118,14 +116,15 @@ def film(
 
     def show(folder: Path) -> FilmAnswer:
         words = Words(shown_system(), case=case or "")
-        return FilmAnswer(motion, model, synthetic, str(folder), words=words)
+        return FilmAnswer(motion, model, synthetic, folder=folder, words=words)
 
     choices = {"film": str(film)} | {name: str(value) for name, value in answers.items()}
     name = Path(f"film-{film.resolve().stem}"[:80])  # what is not a case is saved by its name
     request = SavedRequest("film", chosen or name, output)
     data = film_json(motion, model) | {"synthetic": synthetic}
-    write = partial(write_film, motion, model)
-    deliver(saved_result(request, text, data, show, write, choices, open_page))
+    deliver(
+        saved_result(request, text, data, show, FilmAnswer(motion, model).write, choices, open_page)
+    )
 
 
 def _lift(table: str | None, case: Case | None) -> Lift | None:

@@ -39,8 +39,6 @@ class CoilMotion(Reported):
     ['displacement', 'cycles', 'peaks']
     """
 
-    report_word = "film"
-
     seen: SpaceTime
     places: Array
     spread: Array

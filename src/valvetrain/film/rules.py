@@ -29,7 +29,7 @@ class FilmFacts(Subject):
 
     motion: CoilMotion
     model: FilmedModel | None = None
-    folder: str = ""
+    folder: str = "."
 
     @property
     def case(self) -> str:
@@ -117,7 +117,7 @@ def apart(facts: FilmFacts) -> Iterator[Hit]:
         for coil in np.flatnonzero(model.peaks > MOVING * model.peaks.max()):
             yield Hit(displacement(model.apart[coil]), fields={
                 "coil": f"{coil + 1}", "peak": displacement(model.peaks[coil]), "model": model.model, "filmed": frequency(first),
-                "modelled": frequency(nearest(model, first)), "file": f"{facts.folder or '.'}/displacement-coil-{coil + 1}.csv",
+                "modelled": frequency(nearest(model, first)), "file": f"{facts.folder}/displacement-coil-{coil + 1}.csv",
                 "shared": shared_errors(facts)
             }, severity=float(model.apart[coil] / model.peaks[coil]))  # fmt: skip
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -83,10 +82,9 @@ def rig(
 
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.rig.answer import RigAnswer
+    from valvetrain.rig.answer import RigAnswer, data_of
     from valvetrain.rig.channels import RigAnswers
     from valvetrain.rig.cycles import rig_cycles
-    from valvetrain.rig.files import data_of, write_rig
     from valvetrain.views.files import FreeNames
 
     name_case(case or "", settings)
@@ -113,7 +111,7 @@ def rig(
             text,
             data,
             lambda folder: RigAnswer(result, folder=folder),
-            partial(write_rig, result),
+            RigAnswer(result).write,
             choices,
             open_page,
         )

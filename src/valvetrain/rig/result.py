@@ -126,8 +126,6 @@ class RigResult(Reported):
     ['channels', 'offset']
     """
 
-    report_word = "rig"
-
     name: str
     form: str
     channels: tuple[RigChannelCycles, ...]

@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import ArrayLike
 
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import percent
-from valvetrain.scan import figures
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
+from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
 from valvetrain.views.files import spring_text
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.style import FigureSpec
+from valvetrain.views.style import LEAD, RIGID, SECOND, FigureSpec, band, dots, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
 #: Quantities at rest in the first table, and standard deviations of a 95 % interval.
@@ -108,14 +111,32 @@ class ScanAnswer(ShownByRules):
         rows = tuple((label_of(number.quantity), *self._compared(number)) for number in self.facts.numbers)  # fmt: skip
         return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), rows)}
 
+    def write(self, folder: Path) -> list[Path]:
+        """``spring.toml``, and ``curves.csv``: curves over the coil with standard deviations and the
+        wire axis in the frame of the file.
+        """
+        curves = self.scan.curves
+        columns = np.column_stack([
+            curves.coil, 1e3 * curves.mean_diameter, 1e3 * curves.mean_diameter_spread, 1e3 * curves.height, 1e3 * curves.height_spread,
+            1e3 * curves.pitch, 1e3 * curves.pitch_spread, 1e3 * curves.centre_line,
+        ])  # fmt: skip
+        lines = [
+            ",".join(HEADINGS),
+            *(",".join(f"{value:.7g}" for value in row) for row in columns),
+        ]
+        return [
+            write_text(folder / "spring.toml", self.text),
+            write_text(folder / "curves.csv", "\n".join(lines) + "\n"),
+        ]
+
     def figures(self) -> Mapping[str, FigureSpec]:
         """The points about the axis and the curves; design and scan by force first where there is a design."""
         hint = "unrolled about the axis of the spring; a white band from bottom to top was not seen"
-        cloud = FigureSpec("Points and wire axis", hint, figures.cloud)
+        cloud = FigureSpec("Points and wire axis", hint, cloud_figure)
         if self.compared is None:
-            return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, figures.curves)}  # fmt: skip
-        curves = FigureSpec("Scan less design", GREY, figures.curves)
-        return {"force": FigureSpec("Force and rate", "", figures.force), "curves": curves, "cloud": cloud}  # fmt: skip
+            return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, curves_figure)}  # fmt: skip
+        curves = FigureSpec("Scan less design", GREY, curves_figure)
+        return {"force": FigureSpec("Force and rate", "", force_figure), "curves": curves, "cloud": cloud}  # fmt: skip
 
     def computed(self) -> Iterator[str]:
         """What was fitted, and what its intervals leave out."""
@@ -133,3 +154,72 @@ class ScanAnswer(ShownByRules):
 def answer_of_comparison(compared: ScanComparison) -> ScanAnswer:
     """What is shown of a comparison with a design."""
     return ScanAnswer(compared.scan, compared)
+
+
+#: Headings of the table of curves.
+HEADINGS = (
+    "coil", "mean diameter [mm]", "standard deviation of mean diameter [mm]", "height [mm]", "standard deviation of height [mm]",
+    "pitch [mm]", "standard deviation of pitch [mm]", "x [mm]", "y [mm]", "z [mm]",
+)  # fmt: skip
+
+
+#: Scan and design: name, colour and dash of their lines. The dashed ones are drawn last, so that they are seen on the others.
+LOOKS = (("scan", LEAD, "solid"), ("design", SECOND, "dash"))
+
+
+def cloud_figure(facts: ScanFacts) -> go.Figure:
+    """Points of the scan and the wire axis, unrolled about the axis of the spring: angle (deg) and height (mm)."""
+    scan, curves = facts.scan, facts.scan.curves
+    across = np.cross(scan.axis_direction, np.roll(scan.axis_direction, 1))
+    frame = np.array([across, np.cross(scan.axis_direction, across), scan.axis_direction])
+    fine = np.linspace(0.0, curves.coil[-1], 2000)
+    wire = np.array([np.interp(fine, curves.coil, curve) for curve in curves.centre_line.T])
+    shown = (frame @ (points - scan.axis_point[:, None]) for points in (scan.shown.T, wire))
+    low = frame[2] @ (curves.centre_line[0] - scan.axis_point) - curves.height[0]
+    looks = (("points of the scan", RIGID), ("fitted wire axis", LEAD))
+    fig = go.Figure([
+        dots(np.degrees(np.arctan2(y, x)) % 360, 1e3 * (z - low), *look) for (x, y, z), look in zip(shown, looks, strict=True)
+    ])  # fmt: skip
+    size = scan.section.diameter[0]
+    styled(fig, "angle about the axis, deg", ("height, mm",), 420)
+    fig.update_yaxes(range=[-1e3 * size, 1e3 * (scan.free_length[0] + size)])
+    return fig.update_xaxes(range=[0, 360], dtick=60)
+
+
+def curves_figure(facts: ScanFacts) -> go.Figure:
+    """Mean diameter, height, pitch and wire diameter (mm) over the coil with their band of 95 %, less the design's where
+    there is one.
+    """
+    scan, over, design = facts.scan, facts.scan.curves, facts.design
+    coil, (turn, wire, wire_spread, _) = over.coil, scan.section.turns.T
+    drawn: tuple[ArrayLike, ...] = (0.0,) * 4 if design is None else (
+        design.mean_diameter.value(coil), design.axial_position(coil) - design.lower_seat_height, design.pitch.value(coil),
+        design.wire_diameter.value(turn),
+    )  # fmt: skip
+    rows = (
+        ("diameter", coil, over.mean_diameter, over.mean_diameter_spread), ("height", coil, over.height, over.height_spread),
+        ("pitch", coil, over.pitch, over.pitch_spread), ("wire", turn, wire, wire_spread),
+    )  # fmt: skip
+    fig = panels((0.25,) * 4)
+    for row, ((_, at, values, spread), law) in enumerate(zip(rows, drawn, strict=True), 1):
+        off = 1e3 * np.subtract(values, law)
+        for curve in band(at, off - 2e3 * spread, off + 2e3 * spread, "95 %"):
+            fig.add_trace(curve.update(showlegend=bool(curve.name) and row == 1), row, 1)
+        fig.add_trace(line(at, off, *LOOKS[0], showlegend=row == 1), row, 1)
+    return styled(fig, "coil, from the lower tip", tuple(f"{curve[0]}, mm" for curve in rows), 560)  # fmt: skip
+
+
+def force_figure(facts: ScanFacts) -> go.Figure | None:
+    """Force (N) and rate (N/mm) of design and scan over the height between the seats (mm)."""
+    fig = panels((0.6, 0.4))
+    assert facts.compared is not None
+    pairs = zip(facts.compared.rest[::-1], facts.compared.cases[::-1], LOOKS, strict=True)
+    for study, case, look in pairs:
+        curve, spring = study.rest[0].curve, case.springs[0]
+        if curve is None or spring.installed_height is None:
+            return None
+        path = curve.path or curve
+        height = 1e3 * (spring.installed_height + spring.precompression - path.compression)
+        fig.add_trace(line(height, path.force, *look), 1, 1)
+        fig.add_trace(line(height, 1e-3 * path.stiffness, *look, showlegend=False), 2, 1)
+    return styled(fig, "height between the seats, mm", ("force, N", "rate, N/mm"), 420)

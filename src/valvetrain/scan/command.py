@@ -4,7 +4,6 @@ next to it.
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -66,7 +65,6 @@ def scan(
     from valvetrain.parameters.material import material_by_name
     from valvetrain.scan.answer import ScanAnswer
     from valvetrain.scan.compare import compare_scan, design_spring
-    from valvetrain.scan.files import write_scan
     from valvetrain.scan.reconstruct import spring_from_scan
     from valvetrain.units.reader import shown_system
 
@@ -99,9 +97,11 @@ def scan(
 
     answer = ScanAnswer(scanned, compared)
     request = SavedRequest("scan", parse_case(answer.text, "scan"), output)
-    data, write = _data(scanned, compared), partial(write_scan, answer)
+    data = _data(scanned, compared)
     failures = () if compared is None else compared.failures
-    deliver(saved_result(request, answer.text, data, show, write, choices, open_page, failures))
+    deliver(
+        saved_result(request, answer.text, data, show, answer.write, choices, open_page, failures)
+    )
 
 
 def _data(scanned: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:

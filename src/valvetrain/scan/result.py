@@ -85,8 +85,6 @@ class ScannedSpring(Reported):
     ['definition', 'noise']
     """
 
-    report_word = "scan"
-
     source: str
     form: str
     unit: str

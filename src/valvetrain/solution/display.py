@@ -161,10 +161,10 @@ class Saveable(Shown):
 
 
 class Reported(Saveable):
-    """A result with a page, which is registered under ``report_word``."""
+    """A result with a page; ``report_word``: what writes it, in the registry."""
 
     __slots__ = ()
-    report_word: ClassVar[str]
+    report_word: ClassVar[str] = "page"
 
     def report(self, folder: str | os.PathLike[str], **options: Any) -> Any:
         """Write its page and data files to ``folder``.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -177,9 +177,12 @@ def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | Non
     return None if text is None else write_text(folder / "report.html", text)
 
 
-def report_answer(answer: Shown, folder: Path, files: Sequence[Path]) -> StudyFiles:
-    """The ``files`` of a result, and its page written to ``folder``."""
-    gaps = PartialFailures()
+def report_result(result: object, folder: Path, **options: Any) -> StudyFiles:
+    """Write the page of a result of a tool, and its files, to ``folder``; ``options`` are for its answer."""
+    answer: Any = registry.find("answers", type(result).__name__)(result, **options)
+    if hasattr(answer, "folder"):
+        answer = replace(answer, folder=folder)
+    gaps, files = PartialFailures(), answer.write(folder)
     page = write_page(answer, folder, gaps)
     return files_of(folder, [*files, *filter(None, (page,))], gaps.sentences)
 

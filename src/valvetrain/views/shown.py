@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from valvetrain.findings.engine import Finding, Findings, Rule, judge
@@ -169,6 +170,10 @@ class ShownByRules(Shown):
     words: Words = field(
         default_factory=lambda: Words(shown_system(), case=called_case()), kw_only=True
     )
+
+    def write(self, folder: Path) -> list[Path]:
+        """Write the files of the result, but its page, to ``folder``."""
+        return []
 
     @cached_property
     def findings(self) -> Findings:
