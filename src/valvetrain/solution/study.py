@@ -14,7 +14,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import definition_of, is_defined
 from valvetrain.solution.display import Reported, value_text, verdict_first
-from valvetrain.solution.modes import Array, TrainModes
+from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
