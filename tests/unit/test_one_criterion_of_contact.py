@@ -15,6 +15,7 @@ from synthetic_study import train_study
 from valvetrain.findings.table import findings_of
 from valvetrain.integrate.train_channels import Scatter
 from valvetrain.quantities.train_events import LOSSES, counted_losses
+from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
@@ -74,6 +75,21 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
     assert verdict.code == "C102" and verdict.value == 2e-4
     assert verdict.fields["gap"].value == 2.4e-6
     assert findings_of(study_of(lost, "sweep", events=(nose,))).verdict.code == "C102"
+
+
+@pytest.mark.parametrize(
+    ("left", "run", "compare"), [(29.0, "C103", "M103"), (31.0, "C104", "M102")]
+)
+def test_run_and_comparison_are_near_the_limit_by_one_rule(left, run, compare):
+    """Contract: 16.5 N were "in control" in a run and "at its limit" in a comparison. Closed form: a twentieth of 600 N is 30 N."""
+    one = train(minimum_cam_contact_force=left, open_spring_force=600.0)
+    one = replace(one, channels=empty_channels())  # of rigid parts nothing is known
+    assert findings_of(study_of(one)).verdict.code == run
+    pair = tuple(
+        replace(one, provenance=replace(one.provenance, model=name))
+        for name in ("modal-uniform", "multi-mass")
+    )
+    assert findings_of(Study(CaseRecord("own"), "compare", solutions=pair)).verdict.code == compare
 
 
 def test_losses_near_the_seat_are_events_that_do_not_count():

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 
 import pint
+import plotly.graph_objects as go
 import pytest
 from typer.testing import CliRunner
 
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
+from valvetrain.findings.words import Amount, Words
 from valvetrain.parameters.summary import amount
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.definition import definition_of, shown, tables
@@ -23,6 +25,7 @@ from valvetrain.units.reader import (
     shown_system,
 )
 from valvetrain.views.page import data_of
+from valvetrain.views.style import in_reader_units
 
 ROWS = [one for rows in tables().values() for one in rows if "{" not in one.name]
 
@@ -117,6 +120,16 @@ def test_a_run_is_read_in_pounds_and_saved_in_si(tmp_path):
     assert saved["si"]["findings"][0]["text"] == saved["imperial"]["findings"][0]["text"]
     assert saved["si"]["runs"] == saved["imperial"]["runs"] if "runs" in saved["si"] else True
     assert files["si"] == files["imperial"] and files["si"]
+
+
+def test_a_map_of_forces_and_a_power_are_in_units_of_the_reader(imperial):
+    """Contract: the map of cam orders stayed in N, and the cam power of a small engine in W."""
+    bar = {"title": "N"}
+    (trace,) = in_reader_units(
+        go.Figure(go.Heatmap(x=[1, 2], y=[3], z=[[4.4482216, 0]], colorbar=bar))
+    ).data
+    assert trace.z[0][0] == pytest.approx(1) and trace.colorbar.title.text == "lbf"
+    assert Words("imperial").amount(Amount("mean_cam_power", 74.569987)) == "0.1 hp"
 
 
 def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):

@@ -8,14 +8,15 @@ from collections.abc import Iterator, Sequence
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import BOUNCE, Facts
 from valvetrain.findings.rules_train import (
-    BARELY,
     CONTACT,
     FLOAT,
     LIMIT,
+    NEAR,
     cause,
-    rigid_force,
+    near_limit,
 )
 from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
+from valvetrain.quantities.loss_cause import FLIGHT
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import with_code
@@ -106,9 +107,9 @@ def _says(facts: Facts, run: Solution) -> Phrase | None:
     if facts.losses(run):
         flies = run.quantities.get("float_excess_lift", 0.0) > FLOAT
         gap = facts.amount(run, "loft_gap") or ""
-        does = "floats" if flies else "loses contact[, {gap} open]"
-        return Phrase(f"{{model}} {does}", {"model": run.model, "gap": gap})
-    return Phrase("{model} leaves {left}", {"model": run.model, "left": left}) if left else None
+        return Phrase("floats" if flies else "loses contact[, {gap} open]", {"gap": gap})
+    words = "leaves {left} on the cam" if left and left.resolved else "keeps contact"
+    return Phrase(words, {"left": left}) if left else None
 
 
 def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
@@ -122,10 +123,14 @@ def disagree(facts: Facts) -> Iterator[Hit]:
     """Some models lose contact at one speed and some do not; a massless spring, which knows no surge, has no vote."""
     held, lost = _votes(facts)
     if held and lost:
-        lead, *others = (run for run in facts.models if run.model != MASSLESS)
+        lead = next(run for run in facts.models if run.model != MASSLESS)
+        others = held if lead in lost else lost
+        losses = facts.losses(lead)
+        state = "contact is lost" if losses else NEAR if near_limit(facts, lead) else "in control"
         yield Hit(facts.amount(lead, CONTACT[0]), lead, 0.0, {
-            "said": said if (said := _says(facts, lead)) else "", "lead": lead.model,
-            "others": tuple(one for run in others if (one := _says(facts, run))), "speed": speed_text(lead.engine_speed),
+            "state": LIMIT if losses and losses[0].size <= FLIGHT else state, "said": _says(facts, lead) or "",
+            "lead": lead.model, "does": f"{'keep' if losses else 'lose'}{'s' * (len(others) == 1)}",
+            "others": joined([run.model for run in others]), "speed": speed_text(lead.engine_speed),
         })  # fmt: skip
 
 
@@ -134,11 +139,9 @@ def _agree(facts: Facts, little: bool) -> Iterator[Hit]:
     if facts.study.command != "compare" or lost or len(held) < 2:
         return
     known = [one for run in held if (one := facts.amount(run, CONTACT[0])) and one.resolved]
-    rigid = rigid_force(held[0])
-    if known:
+    if known and near_limit(facts, held[0]) is little:
         least, most = (way(known, key=lambda one: one.value) for way in (min, max))
-        if (rigid is not None and least.value < BARELY * rigid.value) is little:
-            yield Hit(least, None, 0.0, _range(facts, held, least, most) | {"rigid": rigid or ""})
+        yield Hit(least, None, 0.0, _range(facts, held, least, most))
 
 
 def _range(facts: Facts, runs: Sequence[Solution], least: Amount, most: Amount) -> dict[str, Said]:
@@ -151,12 +154,12 @@ def _range(facts: Facts, runs: Sequence[Solution], least: Amount, most: Amount) 
 
 
 def all_hold(facts: Facts) -> Iterator[Hit]:
-    """Every model that a comparison ran keeps contact at one speed, and keeps enough of the cam force."""
+    """Every model that a comparison ran keeps contact at one speed, and the one that decides leaves enough force."""
     return _agree(facts, little=False)
 
 
 def all_barely(facts: Facts) -> Iterator[Hit]:
-    """Every model keeps contact at one speed, one of them with less than a fifth of the cam force of rigid parts."""
+    """Every model keeps contact at one speed, and the one that decides leaves little force."""
     return _agree(facts, little=True)
 
 
@@ -203,7 +206,7 @@ def other_models(facts: Facts) -> Iterator[Hit]:
     own, said = {run.model for run in facts.runs}, list[Said]()
     for run in facts.models:
         if run.model not in own and (one := _says(facts, run)):
-            said.append(one)
+            said.append(Phrase("{model} {said}", {"model": run.model, "said": one}))
     if said:
         yield Hit(Amount(COUNT, len(said)), fields={"said": said})
 
@@ -275,13 +278,13 @@ RUN_UP = (
          "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
 )  # fmt: skip
 MODELS = (
-    Rule("M101", "decides", f"{LIMIT} at {{speed}}: {{said}}, which decides", disagree, CONTACT[:1], "{others}", SWEEP,
-         guide="models.md", mark="warn"),
+    Rule("M101", "decides", "{state} at {speed}: {lead}, the model that decides, {said}; {others} {does} contact", disagree,
+         CONTACT[:1], "", SWEEP, guide="models.md", mark="warn"),
     Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
          "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
          DECIDES, RUN, guide="models.md", mark="ok", unless=("M106",)),
-    Rule("M103", "decides", "near its limit by {count} models: {least..most} left on the cam at {speed}", all_barely,
+    Rule("M103", "decides", f"{NEAR} by {{count}} models: {{least..most}} left on the cam at {{speed}}", all_barely,
          CONTACT[:1], DECIDES, RUN, guide="models.md", mark="warn", unless=("M106",)),
     Rule("M104", "decides", "contact is lost by {count} models at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
          "{lead} decides[: {cause}]", RUN, guide="models.md"),

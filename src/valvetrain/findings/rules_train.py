@@ -17,10 +17,11 @@ from valvetrain.solution.status import Cause, Event
 
 #: Lift above the path of rigid parts that is float (m).
 FLOAT = 50e-6
-#: Share of the cam force of rigid parts below which what is left of it is little.
-BARELY = 0.2
-#: Said where some models keep contact and others lose it, and of a loss that is no flight.
-LIMIT = "at its limit"
+#: Shares of the cam force of rigid parts, and of the spring force at full lift, below which a cam force is little: the
+#: second one of a valve that is lost to inertia, some 2.5 % of engine speed before.
+BARELY, SCARCE = 0.2, 0.05
+#: Said of a run that keeps contact by a little force, and of a loss that is no flight.
+NEAR, LIMIT = "near its limit", "at its limit"
 #: Half the cam angle (rad) over which the curvature of the lift is looked at.
 CHORD = math.radians(2)
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
@@ -171,13 +172,20 @@ def loses(facts: Facts, run: Solution) -> Hit | None:
     return loss_of(facts, run, facts.losses(run))
 
 
+def near_limit(facts: Facts, run: Solution) -> bool:
+    """Whether a run leaves less on the cam than a fifth of the force of rigid parts or a twentieth of the spring force at full
+    lift. Run and comparison both judge by it.
+    """
+    left, rigid = facts.value(run, CONTACT[0]), rigid_force(run)
+    scarce = left < SCARCE * facts.value(run, "open_spring_force")
+    return scarce or (rigid is not None and left < BARELY * rigid.value)
+
+
 def _kept(facts: Facts, little: bool) -> Iterator[Hit]:
-    for amount, run in facts.amounts("minimum_cam_contact_force"):
-        rigid = rigid_force(run)
-        scarce = amount.value < BARELY * rigid.value if rigid else False
-        if not facts.losses(run) and scarce is little:
+    for amount, run in facts.amounts(CONTACT[0]):
+        if not facts.losses(run) and near_limit(facts, run) is little:
             fields: Fields = {
-                "angle": facts.least_angle(run, "cam_contact_force") or "", "rigid": rigid or "",
+                "angle": facts.least_angle(run, "cam_contact_force") or "", "rigid": rigid_force(run) or "",
             }  # fmt: skip
             yield Hit(amount, run, 0.0, fields, -amount.value)
 
@@ -187,7 +195,7 @@ def rigid_force(run: Solution) -> Amount | None:
     if not run.has("rigid_contact_force", "rigid_valve_lift"):
         return None
     force = over_turn(run, "rigid_contact_force")[open_mask(run)]
-    return Amount("minimum_cam_contact_force", float(force.min()))
+    return Amount(CONTACT[0], float(force.min()))
 
 
 def kept(facts: Facts) -> Iterator[Hit]:
@@ -196,7 +204,7 @@ def kept(facts: Facts) -> Iterator[Hit]:
 
 
 def barely(facts: Facts) -> Iterator[Hit]:
-    """Runs that keep contact with less than a fifth of the cam force of rigid parts."""
+    """Runs that keep contact by little force."""
     return _kept(facts, little=True)
 
 
@@ -261,10 +269,10 @@ RULES = (
          "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
     Rule("C105", "decides", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
          "[it lands at {velocity}][ on {part}]", SWEEP, "bounces", "how-to/10-seating.md", unless=("U", "W10", "D10", "M1", "C101", "C102")),
-    Rule("C103", "decides", "near its limit: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
-         "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "C10")),
+    Rule("C103", "decides", f"{NEAR}: {{value}} left on the cam[ at {{angle}}][ {{at}}]", barely, CONTACT,
+         "[rigid parts would leave {rigid}]", SWEEP, "[rigid parts {rigid}]", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "M10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
-         "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "C10")),
+         "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "M10", "C10")),
     Rule("C110", "warns", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
          remark="bounces", guide="how-to/10-seating.md", unless=("C105",)),
     Rule("C111", "warns", "a contact opens by {value}[ {at}], above your limit of {limit}", above("loft_gap", "permitted_loft_gap"),

@@ -89,7 +89,7 @@ UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
         "moment": (Unit("lbf in", 0.112984829),),
         "cam velocity": (Unit("thou/deg", 25.4e-6 / DEGREE),),
         "cam acceleration": (Unit("thou/deg²", 25.4e-6 / DEGREE**2),),
-        "power": (Unit("W", 1, 745.69987), Unit("hp", 745.69987)),
+        "power": (Unit("hp", 745.69987),),
     },
 }
 _TURNING = re.compile(r"(cam|crank)_angle(_range)?$")
@@ -218,12 +218,12 @@ class Words:
         return f"{text} {unit.text}".strip()
 
     def between(self, one: Amount) -> str:
-        """A number with its error bar, however small the bar.
+        """A number with its error bar, however small the bar; a range where it is not resolved.
 
         >>> Words().between(Amount("peak_spring_force", 1900.0, 1.6))
         '1900.0 ± 1.6 N'
         """
-        if not one.bar:
+        if not (one.bar and one.resolved):
             return self.amount(one, 4)
         unit = self.unit(one.name, one.value)
         value, bar = one.value / unit.size, one.bar / unit.size

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Fields, Hit, Rule, Subject
 from valvetrain.findings.words import Amount, Said, percent
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import COARSE, LiftFigure, LobeResult, overshoot
@@ -203,11 +203,9 @@ def undercut(facts: LiftFacts) -> Iterator[Hit]:
 def carried(facts: LiftFacts) -> Iterator[Hit]:
     """A case has the lift, and its float speed or a force is known."""
     for one in facts.worst[:1]:
-        spread = Amount(one.quantity, BAND * one.spread)
-        yield Hit(
-            Amount(one.quantity, one.value),
-            fields={"name": label_of(one.quantity), "spread": spread},
-        )
+        noise = BAND * one.spread
+        fields: Fields = {"name": label_of(one.quantity), "spread": Amount(one.quantity, noise)}
+        yield Hit(Amount(one.quantity, one.value, noise), fields=fields)
 
 
 def good(facts: LiftFacts) -> Iterator[Hit]:

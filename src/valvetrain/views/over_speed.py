@@ -264,7 +264,7 @@ def order_map(facts: Facts) -> go.Figure | None:
         return None
     fig = go.Figure(go.Heatmap(
         x=at, y=list(ORDERS), z=sizes.astype(np.float32), colorscale="Blues", colorbar={"title": "N", "thickness": 12},
-        hovertemplate="%{x:.0f} rpm, order %{y}: %{z:.3~g} N<extra></extra>",
+        hovertemplate="%{x:.0f} rpm, order %{y}: %{z:.3~g}<extra></extra>",
     ))  # fmt: skip
     modes = sorted({facts.value(run, "surge_frequency") for run in runs})
     for frequency in modes[:1] if modes and math.isfinite(modes[0]) else ():

@@ -154,6 +154,9 @@ def in_reader_units(fig: go.Figure) -> go.Figure:
             if factor != 1 and trace[key] is not None:
                 values = np.asarray(trace[key], float) * factor
                 trace.update({key: values.astype(np.float32)})
+        if trace.type == "heatmap" and (unit := trace.colorbar.title.text):
+            trace.z = (np.asarray(trace.z, float) * reader_factor(unit)).astype(np.float32)
+            trace.colorbar.title.text = reader_unit(unit)
         if isinstance(trace.text, tuple | list):
             trace.text = [reader_text(str(one)) for one in trace.text]
         trace.name = trace.name and reader_text(trace.name)
