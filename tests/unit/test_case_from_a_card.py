@@ -12,8 +12,9 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call, sentence
-from valvetrain.parameters.card_case import QUESTIONS, TRAINS, card_case_text, questions_of
+from valvetrain.parameters.card_case import card_case_text, questions_of
 from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import QUESTIONS, TRAINS
 
 SPRING = {"seat_load": "76 lbf", "height": "1.80 in", "rate": "300 lbf/in"}
 LBF, INCH = 4.4482216152605, 25.4e-3

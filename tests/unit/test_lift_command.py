@@ -117,7 +117,7 @@ def _case_of(text: str) -> str:
         (("--columns", "angle, hub"), "a column is one of"),
         (("--zero", "top"), "zero is file or nose"),
         (("--write", "a.txt", "--write-form", "odd"), "unknown"),
-        (("--case", "job-t", "--draws", "4"), "draws is a number from 4"),
+        (("--case", "job-t", "--draws", "2"), "draws is a number from 4"),
         (("--case", "tdi-pushrod"), "driven by the lift of the tappet"),
     ],
 )

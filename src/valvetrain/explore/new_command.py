@@ -13,8 +13,14 @@ import typer
 
 from valvetrain.cli.options import JsonOption, QuietOption, asking, asks
 from valvetrain.errors import InputError
-from valvetrain.parameters.card_case import QUESTIONS, TRAINS, card_case_text, flag, questions_of
-from valvetrain.parameters.templates import KINDS, template_kind, template_text
+from valvetrain.parameters.templates import (
+    KINDS,
+    QUESTIONS,
+    TRAINS,
+    flag,
+    template_kind,
+    template_text,
+)
 
 #: Kind of request -> what its file asks of a case.
 REQUESTS = {
@@ -86,6 +92,8 @@ def new(
 
 def _asked(kind: str) -> dict[str, str]:
     """Answers to the questions of a kind of train, typed one by one; what was left open is not among them."""
+    from valvetrain.parameters.card_case import questions_of
+
     typer.echo("Enter takes the value in brackets, Ctrl-D all that are left.", err=True)
     answers: dict[str, str] = {}
     for word, one, default in questions_of(kind):
@@ -123,7 +131,11 @@ def write_template(name: str, kind: str, answers: Mapping[str, str]) -> Path:
             f"{flag(next(iter(answers)))} is of an engine; give --kind {', '.join(TRAINS)}, or 'valvetrain spring-card' for a spring alone",
             "--kind",
         )
-    return _written(name, card_case_text(kind, answers) if answers else template_text(kind))
+    if not answers:
+        return _written(name, template_text(kind))
+    from valvetrain.parameters.card_case import card_case_text
+
+    return _written(name, card_case_text(kind, answers))
 
 
 def write_request(name: str, kind: str, case: str) -> Path:

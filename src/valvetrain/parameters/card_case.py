@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import reduce
 from operator import getitem
 from typing import Any
@@ -12,69 +11,16 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case, parse_toml
 from valvetrain.parameters.overrides import split_notes
-from valvetrain.parameters.templates import CARDS, template_text
+from valvetrain.parameters.templates import CARDS, QUESTIONS, SPRING, Question, flag, template_text
 from valvetrain.parameters.toml_text import find_line, inline
 from valvetrain.parameters.train_names import TITLES
 from valvetrain.units import parse_quantities, parse_quantity
 
-TRAINS = (*CARDS, "pushrod")
-SPRING = "train.springs.card.0"
-
-
-@dataclass(frozen=True)
-class Question:
-    """A value of a card: its ``key`` in the case, what ``follows`` its option, what it means, its ``default`` where the
-    template has none, and the kinds of train that have it.
-    """
-
-    key: str
-    follows: str
-    meaning: str
-    default: str = ""
-    kinds: tuple[str, ...] = TRAINS
-
-    @property
-    def path(self) -> tuple[str | int, ...]:
-        """Keys and places that lead to it."""
-        return tuple(int(part) if part.isdecimal() else part for part in self.key.split("."))
-
-
-_PUSHROD = ("pushrod",)
-#: Answer -> its question, in the order in which a person has them.
-QUESTIONS: dict[str, Question] = {
-    "seat_load": Question(f"{SPRING}.preload", "FORCE", "spring force with the valve closed"),
-    "height": Question(f"{SPRING}.installed_height", "LENGTH", "height of the spring with the valve closed"),
-    "rate": Question(f"{SPRING}.rate", "RATE", "spring rate; or open load and open height"),
-    "open_load": Question(f"{SPRING}.open_load", "FORCE", "spring force at the open height"),
-    "open_height": Question(f"{SPRING}.open_height", "LENGTH", "height of the spring at the open load"),
-    "coil_bind": Question(f"{SPRING}.solid_height", "LENGTH", "height at which the coils close"),
-    "wire": Question(f"{SPRING}.wire_diameter", "LENGTH", "wire diameter, for the moving mass of the spring"),
-    "outer_diameter": Question(f"{SPRING}.outer_diameter", "LENGTH", "outer diameter of the spring, for its moving mass"),
-    "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire", "50 g"),
-    "lift": Question("lift_law.valve_lift", "LENGTH", "valve lift at zero lash", "0.565 in"),
-    "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
-    "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm", "0.050 in"),
-    "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
-    "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
-    "ratio": Question("lift_law.rocker_ratio", "RATIO", "rocker ratio", kinds=_PUSHROD),
-    "lash": Question("lift_law.lash", "LENGTH", "lash at the valve; 0 with hydraulic lifters"),
-    "valve_mass": Question("train.valve.mass", "MASS", "valve, retainer and locks: '110 g + 25 g + 10 g'"),
-    "lifter_mass": Question("train.follower.mass", "MASS", "lifter, or bucket with shim", kinds=("direct", "pushrod")),
-    "pushrod_length": Question("train.pushrod.length", "LENGTH", "pushrod, between its balls", kinds=_PUSHROD),
-    "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
-    "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
-    "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
-}  # fmt: skip
 #: Tables of a template that no card gives.
 _NO_CARD = ("train.cam", "train.lever", f"{SPRING}.damping")
 #: Answers of which one takes the place of others, or goes with them: those of another part would contradict it.
 _SPRING_CARD = tuple(QUESTIONS)[:9]
 _NEEDED = ("seat_load", "height")
-
-
-def flag(name: str) -> str:
-    """The option of an answer."""
-    return f"--{name.replace('_', '-')}"
 
 
 def questions_of(kind: str) -> Iterator[tuple[str, Question, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from valvetrain.errors import InputError
@@ -16,6 +17,61 @@ KINDS = {"spring": "a spring alone"} | TITLES
 
 #: Kind -> whose lift its cam card gives.
 CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
+
+
+TRAINS = (*CARDS, "pushrod")
+SPRING = "train.springs.card.0"
+
+
+@dataclass(frozen=True)
+class Question:
+    """A value of a card: its ``key`` in the case, what ``follows`` its option, what it means, its ``default`` where the
+    template has none, and the kinds of train that have it.
+    """
+
+    key: str
+    follows: str
+    meaning: str
+    default: str = ""
+    kinds: tuple[str, ...] = TRAINS
+
+    @property
+    def path(self) -> tuple[str | int, ...]:
+        """Keys and places that lead to it."""
+        return tuple(int(part) if part.isdecimal() else part for part in self.key.split("."))
+
+
+_PUSHROD = ("pushrod",)
+#: Answer -> its question, in the order in which a person has them.
+QUESTIONS: dict[str, Question] = {
+    "seat_load": Question(f"{SPRING}.preload", "FORCE", "spring force with the valve closed"),
+    "height": Question(f"{SPRING}.installed_height", "LENGTH", "height of the spring with the valve closed"),
+    "rate": Question(f"{SPRING}.rate", "RATE", "spring rate; or open load and open height"),
+    "open_load": Question(f"{SPRING}.open_load", "FORCE", "spring force at the open height"),
+    "open_height": Question(f"{SPRING}.open_height", "LENGTH", "height of the spring at the open load"),
+    "coil_bind": Question(f"{SPRING}.solid_height", "LENGTH", "height at which the coils close"),
+    "wire": Question(f"{SPRING}.wire_diameter", "LENGTH", "wire diameter, for the moving mass of the spring"),
+    "outer_diameter": Question(f"{SPRING}.outer_diameter", "LENGTH", "outer diameter of the spring, for its moving mass"),
+    "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire", "50 g"),
+    "lift": Question("lift_law.valve_lift", "LENGTH", "valve lift at zero lash", "0.565 in"),
+    "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
+    "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm", "0.050 in"),
+    "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
+    "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
+    "ratio": Question("lift_law.rocker_ratio", "RATIO", "rocker ratio", kinds=_PUSHROD),
+    "lash": Question("lift_law.lash", "LENGTH", "lash at the valve; 0 with hydraulic lifters"),
+    "valve_mass": Question("train.valve.mass", "MASS", "valve, retainer and locks: '110 g + 25 g + 10 g'"),
+    "lifter_mass": Question("train.follower.mass", "MASS", "lifter, or bucket with shim", kinds=("direct", "pushrod")),
+    "pushrod_length": Question("train.pushrod.length", "LENGTH", "pushrod, between its balls", kinds=_PUSHROD),
+    "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
+    "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
+    "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
+}  # fmt: skip
+
+
+def flag(name: str) -> str:
+    """The option of an answer."""
+    return f"--{name.replace('_', '-')}"
 
 
 def template_kind(name: str) -> str:

@@ -302,7 +302,7 @@ def sweep_table(study: Study, label: str) -> str:
         "status": [run.status.code for run in runs],
     }
     for name in names:
-        values, unit = shown(name, study.series(label, name).values)
+        values, unit = shown(name, np.array([run.quantities.get(name, np.nan) for run in runs]))
         columns[f"{label_of(name)} [{unit}]" if unit else label_of(name)] = values
     return by_columns(columns)
 
