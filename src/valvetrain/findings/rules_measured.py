@@ -41,7 +41,7 @@ def compared(name: str, same: bool) -> Condition:
         model = passing([run.engine_speed for run in runs], [facts.value(run, name) for run in runs], limit)  # fmt: skip
         rig = passing([at for at, _ in within], [value for _, value in within], limit)
         if _agree(model, rig) is same:
-            apart = abs(model.speed - rig.speed) if model and rig else 0.0
+            apart = abs(model.engine_speed - rig.engine_speed) if model and rig else 0.0
             yield Hit(Amount(SPEED, apart), None, limit, {
                 "bound": Amount(name, limit), "test": _said(rig, end), "model": _said(model, end),
                 "apart": f"{apart / RPM:.0f} rpm" if apart else "",
@@ -59,7 +59,9 @@ def _agree(model: Passing | None, test: Passing | None) -> bool:
 
 
 def _said(one: Passing | None, last: float) -> str:
-    return f"not to {about(last)} rpm" if one is None else f"from about {about(one.speed)} rpm"
+    return (
+        f"not to {about(last)} rpm" if one is None else f"from about {about(one.engine_speed)} rpm"
+    )
 
 
 BOTH = " above {bound}: test {test}, model {model}[, {apart} apart]"

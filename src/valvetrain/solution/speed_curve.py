@@ -27,21 +27,21 @@ class SpeedCurve:
 
 
 class Passing(NamedTuple):
-    """Where a curve first passes a limit: at ``speed`` by a straight line, between the points at ``low`` and ``high``."""
+    """Where a curve first passes a limit: at ``engine_speed`` by a straight line, between the points at ``low`` and ``high``."""
 
-    speed: float
+    engine_speed: float
     low: float
     high: float
 
 
-def passing(speeds: ArrayLike, values: ArrayLike, limit: float) -> Passing | None:
-    """Where ``values`` over ascending ``speeds`` first exceed a ``limit``; None where they stay within it. Points without a
+def passing(engine_speeds: ArrayLike, values: ArrayLike, limit: float) -> Passing | None:
+    """Where ``values`` over ascending ``engine_speeds`` first exceed a ``limit``; None where they stay within it. Points without a
     number are left out.
 
     >>> passing([1.0, 2.0, 3.0], [0.0, 1.0, 3.0], 2.0)
-    Passing(speed=2.5, low=2.0, high=3.0)
+    Passing(engine_speed=2.5, low=2.0, high=3.0)
     """
-    at, curve = np.asarray(speeds, float), np.asarray(values, float)
+    at, curve = np.asarray(engine_speeds, float), np.asarray(values, float)
     at, curve = at[np.isfinite(curve)], curve[np.isfinite(curve)]
     above = np.flatnonzero(curve > limit)
     if not above.size:
