@@ -120,7 +120,7 @@ def _assumptions(path: Path) -> str:
     return f"{damped}\n  assumed: {assumed}" if assumed else damped
 
 
-def write_template(name: str, kind: str, answers: Mapping[str, str]) -> Path:
+def write_template(name: str, kind: str, answers: Mapping[str, str] | None = None) -> Path:
     """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending ``.toml``, an engine with
     the ``answers`` of its cards; returns its path.
 
