@@ -134,8 +134,8 @@ BUILT_IN["integrators"] = {
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
-    "gu2021": "valvetrain.sources.readings:GU2021",
-    "multibody4b17": "valvetrain.sources.readings:MULTIBODY4B17",
+    "gu2021": "valvetrain.sources.rows:GU2021",
+    "multibody4b17": "valvetrain.sources.rows:MULTIBODY4B17",
 }
 BUILT_IN["lifts"] = {
     "zero": "valvetrain.cam.closed_form:ZERO_SPEC",

@@ -26,7 +26,8 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent, Study
 from valvetrain.solution.uncertainty import Finding
 from valvetrain.sources.reader import Reader, Sampling
-from valvetrain.sources.readings import KNOWN_KEYS, NAMES, Reading, path_of
+from valvetrain.sources.readings import KNOWN_KEYS, Reading
+from valvetrain.sources.rows import NAMES, path_of
 
 #: Parts of the open valve over which two runs are compared.
 Part = Literal["", "opening", "closing"]
