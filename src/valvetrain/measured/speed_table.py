@@ -24,7 +24,6 @@ NAMES = {
     "bounce": "bounce_height",
     "loft": "loft_gap",
     "lift": "peak_valve_lift",
-    "lash": "loft_gap",
 }
 SPEED = ("engine_speed", "speed", "rpm", "engine_rpm")
 EXAMPLE = "'engine speed [rpm], bounce [in], loft [in]'"
