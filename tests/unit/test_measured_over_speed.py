@@ -56,7 +56,8 @@ def test_a_sheet_is_read_in_its_units_and_sorted_by_speed(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("bounce [in]", "bounce"), ("bounce [in]", "bounce [N]"), ("bounce [in]", "jump [in]"), ("bounce [in]", "lash [in]"), ("engine speed [rpm]", "angle [deg]"),
+        ("bounce [in]", "bounce"), ("bounce [in]", "bounce [N]"), ("bounce [in]", "jump [in]"), ("bounce [in]", "lash [in]"),
+        ("engine speed [rpm]", "angle [deg]"),
         ("6000, 0.002, 0.1", "6000, 0.002"), ("6000, 0.002", "6000, high"), ("6000,", "-6000,"), ("loft", "bounce"),
     ],
 )  # fmt: skip

@@ -120,5 +120,5 @@ def test_a_check_is_quick():
 def test_a_form_of_a_text_that_is_none():
     with pytest.raises(InputError, match="not valid TOML"):
         CaseForm("x = [")
-    assert [group.key for group in CaseForm("").groups] == ["", "operation"]
+    assert [group.key for group in CaseForm("").groups] == ["", "operation", "limits"]
     assert parse_case(SMALL).springs
