@@ -29,23 +29,32 @@ JOBS: dict[str, dict[str, object]] = {
     "C by the chain": {"job": "chain", "repeats": 15},
     "B, 16 variants": {"job": "B", "per_coil": 12, "variants": 16, "workers": 1},
 }
+PUSHROD = str(HERE / "benchmarks" / "pushrod.toml")
 #: Name -> arguments of the command line.
 COMMANDS: dict[str, tuple[str, ...]] = {
-    "run gu2021-beehive-blind, report included": ("run", "gu2021-beehive-blind", "--workers", "1"),
-    "run vaz-ohc, report included": ("run", "vaz-ohc", "--workers", "1"),
-    "sweep tdi-pushrod, 31 speeds": (
-        "sweep", "tdi-pushrod", "--rpm", "1000:4000:100 rpm", "--workers", "1", "--no-report",
+    "run gu2021-beehive (main job), page included": ("run", "gu2021-beehive", "--workers", "1"),
+    "run vaz-ohc, page included": ("run", "vaz-ohc", "--workers", "1"),
+    "W, sweep of tdi-pushrod at 200 speeds, no critical speeds": (
+        "sweep", "tdi-pushrod", "--rpm", "1000:4980:20 rpm", "--spring-set", "stock", "--workers", "1", "--no-report",
+        "--no-critical-speeds",
     ),
-    "the same without the search of critical speeds": (
-        "sweep", "tdi-pushrod", "--rpm", "1000:4000:100 rpm", "--workers", "1", "--no-report", "--no-critical-speeds",
+    "sweep of pushrod by card, with critical speeds": (
+        "sweep", PUSHROD, "--rpm", "3000:9000:500 rpm", "--workers", "1", "--no-report",
     ),
+    "sweep of pushrod by wire, with critical speeds": (
+        "sweep", PUSHROD, "--rpm", "3000:9000:500 rpm", "--spring-set", "wire", "--workers", "1", "--no-report",
+    ),
+    "check tdi-pushrod": ("check", "tdi-pushrod"),
+    "cold compilation, tdi-pushrod": ("run", "tdi-pushrod", "--rpm", "1000 rpm", "--workers", "1", "--no-report"),
 }  # fmt: skip
-#: Options that leave out work which older versions never did, and so do not know.
-NEWER = ("--no-critical-speeds",)
+#: Options that older versions do not know -> their word for it; an empty one leaves the option out.
+OLDER = {"--rpm": "--engine-speed", "--no-critical-speeds": ""}
 
 
-def cpu_of(checkout: Path, arguments: list[str]) -> tuple[float, str]:
-    """CPU time (s) of one process with that checkout's sources, and what it printed."""
+def cpu_of(checkout: Path, arguments: list[str], cache: str = "") -> tuple[float, str]:
+    """CPU time (s) of one process with that checkout's sources, and what it printed; ``cache``: a folder for its
+    compiled kernels.
+    """
     inherited = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
     }  # users' installations keep it
@@ -53,6 +62,7 @@ def cpu_of(checkout: Path, arguments: list[str]) -> tuple[float, str]:
         **inherited,
         "PYTHONPATH": str(checkout / "src"),
         **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"),
+        **({"NUMBA_CACHE_DIR": cache} if cache else {}),
     }
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(
@@ -70,29 +80,23 @@ def once(checkout: Path, name: str) -> float:
         _, printed = cpu_of(checkout, ["-m", "benchmarks.own", json.dumps(JOBS[name])])
         line = next(line for line in printed.splitlines() if line.startswith("RESULT"))
         return float(json.loads(line.removeprefix("RESULT"))["cpu"])
+    words = known_words(checkout, COMMANDS[name])
     with tempfile.TemporaryDirectory() as folder:
-        start = "from valvetrain.cli.main import main; main()"
-        return cpu_of(
-            checkout,
-            [
-                "-c",
-                start,
-                *known_words(checkout, COMMANDS[name]),
-                "--output",
-                str(Path(folder) / "result"),
-            ],
-        )[0]
+        if words[0] != "check":
+            words += ["--output", str(Path(folder) / "result")]
+        cache = str(Path(folder) / "kernels") if name.startswith("cold") else ""
+        return cpu_of(checkout, ["-m", "valvetrain", *words], cache)[0]
 
 
 def known_words(checkout: Path, words: tuple[str, ...]) -> list[str]:
-    """The words of a command that a checkout knows."""
-    source = "".join(
-        path.read_text(encoding="utf-8")
-        for path in (checkout / "src" / "valvetrain" / "cli").glob("*.py")
-    )
-    return [
-        word for word in words if word not in NEWER or f"/{word}" in source or f'"{word}"' in source
-    ]
+    """The words of a command as a checkout knows them."""
+    answer = subprocess.run(
+        [sys.executable, "-m", "valvetrain", words[0], "--help"],
+        env={**os.environ, "PYTHONPATH": str(checkout / "src"), "COLUMNS": "200"},
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    chosen = (OLDER.get(word, word) if word not in answer else word for word in words)
+    return [word for word in chosen if word]
 
 
 def main() -> None:
@@ -104,10 +108,11 @@ def main() -> None:
         "checkout", type=Path, help="folder of the other version, with src and benchmarks"
     )
     parser.add_argument("--rounds", type=int, default=3, help="measurements of each side")
+    parser.add_argument("--only", default="", help="rows whose name holds this")
     wanted = parser.parse_args()
     other = wanted.checkout.resolve()
-    print("| job | before, CPU s | after, CPU s | change |\n| --- | --- | --- | --- |", flush=True)
-    for name in (*JOBS, *COMMANDS):
+    print("| job | before, CPU s | after, CPU s | ratio |\n| --- | --- | --- | --- |", flush=True)
+    for name in filter(lambda name: wanted.only in name, (*JOBS, *COMMANDS)):
         sides: dict[Path, list[float]] = {other: [], HERE: []}
         for turn in range(wanted.rounds + 1):
             for side in (other, HERE) if turn % 2 else (HERE, other):
@@ -115,7 +120,7 @@ def main() -> None:
         before, after = (
             min(times[1:]) for times in (sides[other], sides[HERE])
         )  # the first may compile
-        print(f"| {name} | {before:.4g} | {after:.4g} | {after / before - 1:+.1%} |", flush=True)
+        print(f"| {name} | {before:.4g} | {after:.4g} | {after / before:.2f} |", flush=True)
 
 
 if __name__ == "__main__":

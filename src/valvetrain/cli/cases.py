@@ -82,7 +82,6 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     from valvetrain.system.build import lift_law_of
     from valvetrain.views.case_answer import CaseAnswer
     from valvetrain.views.json import quantities_object
-    from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 
     chosen = request.case
@@ -116,6 +115,8 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     }  # fmt: skip
     gaps = PartialFailures()
     if line.output is not None:
+        from valvetrain.views.results import write_page
+
         saved = SavedRequest(request.command, chosen, line.output, folder)
 
         def write(folder: Path) -> list[Path]:

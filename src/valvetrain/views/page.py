@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 import plotly.graph_objects as go
 
 from valvetrain.errors import InputError
@@ -23,6 +22,9 @@ from valvetrain.views.motion.project import motion_data
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import in_reader_units
 from valvetrain.views.terminal import SIGN
+
+if TYPE_CHECKING:
+    import jinja2
 
 #: Left margin (px) of a figure on a narrow page, at most: of numbers, and of names.
 NARROW_NUMBERS, NARROW_NAMES = 48, 150
@@ -119,6 +121,8 @@ def figure_content(fig: go.Figure) -> dict[str, Any]:
 
 @cache
 def _template(name: str) -> jinja2.Template:
+    import jinja2
+
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(static), autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import ArrayLike
-from plotly.subplots import make_subplots
 
 from valvetrain.findings.facts import Array, Facts, cam_angles, over_turn
 from valvetrain.solution.result import Solution
@@ -53,6 +52,8 @@ def angle_title(facts: Facts, run: Solution) -> str:
 
 def panels(heights: tuple[float, ...]) -> go.Figure:
     """An empty figure with panels below each other that share their x axis; ``heights`` are shares."""
+    from plotly.subplots import make_subplots  # loads all of the library; many answers draw nothing
+
     return make_subplots(
         len(heights), 1, shared_xaxes=True, row_heights=list(heights), vertical_spacing=0.06
     )
