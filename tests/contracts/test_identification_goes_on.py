@@ -19,10 +19,11 @@ import valvetrain as vt
 from architecture.layout import PACKAGE
 from study_parts import identification_plan
 from valvetrain.cli.main import app
+from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.execution import Execution
-from valvetrain.explore.identify import run_identification
-from valvetrain.explore.observe import Observed, numbers_of
+from valvetrain.explore.identify import computations_of, run_identification
+from valvetrain.explore.observe import numbers_of
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
 
@@ -66,7 +67,6 @@ def folder(tmp_path: Path) -> Path:
 def bits(found: vt.explore.Identified) -> tuple[object, ...]:
     return (
         found.values.tobytes(),
-        found.weights.tobytes(),
         found.branch_of.tobytes(),
         repr(found.best),
         repr(found.log_evidence),
@@ -91,12 +91,13 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     """Preload and frequencies by a model alone, beside all its numbers at rest."""
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
     request = identification_plan(FILE.format(method="nested") + seat, "card", folder)
-    case = Observed(request.case, request.varied, request.targets).case_at((31e3, 0.044))
+    values = zip(request.varied, (31e3, 0.044), strict=True)
+    case = vary(request.case, {row[0]: value for row, value in values})
     whole = evaluate_case(
         case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
     ).values
     for station in dict.fromkeys(one.station for one in request.targets if one.kind == "quantity"):
-        quick = numbers_of(case, (station,), request.targets)
+        quick = numbers_of(case, station, request.targets)
         assert quick == pytest.approx(
             {f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12
         )
@@ -114,7 +115,7 @@ def surge(points):
 priors = {{"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}}
 data = [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)]
 found = vt.identify(priors, data, surge, search=vt.explore.Search("nested", live_points=25, lanes=4), output=sys.argv[1])
-print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.reused)
+print(found.values.tobytes().hex(), found.log_evidence, found.evaluations, found.reused)
 """
 
 
@@ -178,16 +179,13 @@ def test_points_of_one_fit_are_not_those_of_another_that_asks_more(folder: Path)
     """
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "multi-mass"\n'
     plain = FILE.format(method="least-squares")
-    compared, fitted = (
-        identification_plan(plain + seat + words, "card", folder) for words in ("fit = false\n", "")
+    other = plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat
+    compared, fitted, again = (
+        computations_of(identification_plan(text, "card", folder))[0].subject
+        for text in (plain + seat + "fit = false\n", plain + seat, other)
     )
-    assert compared.identity != fitted.identity
-    again = identification_plan(
-        plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat, "card", folder
-    )
-    assert again.identity == fitted.identity, (
-        "priors and the method leave the outcome of a point as it is"
-    )
+    assert compared != fitted
+    assert again == fitted, "priors and the method leave the outcome of a point as it is"
 
 
 def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(

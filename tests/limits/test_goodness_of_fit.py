@@ -130,24 +130,6 @@ def test_a_false_model_is_told_first_by_every_method(search: vt.explore.Search) 
     assert found.fit.missed and found.fit.freedom == pytest.approx(11, abs=0.01)
 
 
-def two_ways(points: np.ndarray) -> list[dict[str, float]]:
-    return [{"square": x * x} for (x,) in points]
-
-
-def test_shares_of_branches_are_probabilities() -> None:
-    """A square has two roots, both with the misfit 0."""
-    prior = {"x": vt.explore.Prior("uniform", -2.0, 2.5)}
-    found = vt.identify(
-        prior,
-        [vt.explore.Datum("square", 1.0, 0.05)],
-        two_ways,
-        search=vt.explore.Search(starts=6, keep=6),
-    )
-    assert len(found.branches) == 2
-    shares = [one.share for one in found.branches]
-    assert shares == pytest.approx([0.5, 0.5], abs=5e-3)
-
-
 def test_draws_go_to_arviz_before_and_from_1_0(monkeypatch) -> None:
     found = fitted(RATE * TRAVEL)
 
@@ -156,7 +138,7 @@ def test_draws_go_to_arviz_before_and_from_1_0(monkeypatch) -> None:
 
     for from_dict in (lambda posterior: posterior, new):
         monkeypatch.setitem(sys.modules, "arviz", SimpleNamespace(from_dict=from_dict))
-        (draws,) = found.to_arviz(400)["rate"]
+        (draws,) = found.to_arviz()["rate"]
         assert draws.mean() == pytest.approx(found.branches[0].quantities["rate"].mean, rel=1e-3)
     monkeypatch.setitem(sys.modules, "arviz", None)
     with pytest.raises(vt.errors.MissingExtraError, match="valvetrain\\[posterior\\]"):

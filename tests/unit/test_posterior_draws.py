@@ -46,7 +46,7 @@ def folder(tmp_path_factory):
     request = identification_plan(f'case = "card.toml"\n{QUANTITIES}{MEASURED}', "card", place)
     found = run_identification(request, Execution(workers=1))
     (place / "found").mkdir()
-    found.save_draws(place / "found" / "draws.nc")
+    found.save(place / "found" / "draws.nc")
     return place, found
 
 
@@ -76,7 +76,7 @@ def test_a_study_over_a_posterior_keeps_its_scatter_and_correlation(folder):
     ("before", "after", "words"),
     [
         ("found/draws.nc", "found/none.nc", "no such file"),
-        ("found/draws.nc", "card.toml", "holds no draws"),
+        ("found/draws.nc", "card.toml", "is no result of valvetrain"),
         ("[quantities.mass]", "[quantities.weight]", "the draws have no 'weight'; .*mass"),
         ("count = 100", "count = 0", "count"),
     ],

@@ -1,4 +1,4 @@
-"""Weighted draws of a posterior: of a linearised one, or by nested sampling of the library nautilus; and its separate branches.
+"""Draws of a posterior, all of one weight: of a linearised one, or by nested sampling of the library nautilus; and its separate branches.
 
 Source: J. Lange, Monthly Notices of the Royal Astronomical Society 525 (2023) 3181.
 """
@@ -27,15 +27,13 @@ Labels = NDArray[np.int64]
 #: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
 #: points computed between them.
 DIP, BETWEEN = 2.0, 7
-#: Draws that are parted, and least share of them in a part.
-PARTED, MIN_PART = 1000, 0.03
+#: Draws among which clusters are looked for, and least share of them in a cluster.
+CLUSTERED, LEAST_CLUSTER = 1000, 0.03
 #: Branches of less than this share of the probability are left out.
 MIN_SHARE = 1e-3
 #: Share of effective draws where the linearised posterior is weighted by the true one, below which
 #: it does not hold.
 HOLDS = 0.3
-#: Draws with less than this share of the largest weight do not count.
-NO_WEIGHT = 1e-8
 #: Points of the prior of which one has to be possible.
 TRIED = 2000
 #: Log likelihood of an impossible point: below any other, and a number.
@@ -44,22 +42,21 @@ IMPOSSIBLE = -1e100
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one and their branches
-    ``labels`` (n), the most probable being 0; the logarithm of the evidence; ``note``: what a
-    reader should know; ``whole``: False where the search was cut short.
+    """Points ``work`` (n, quantities) of one weight with their branches ``labels`` (n), the most probable being 0; the
+    logarithm of the evidence; ``note``: what a reader should know; ``whole``: False where the search was cut short.
     """
 
     work: Array
-    weights: Array
     labels: Labels
     log_evidence: float = np.nan
     note: str = ""
     whole: bool = True
 
-    @property
-    def shares(self) -> list[float]:
-        """Probability of each branch."""
-        return [float(one) for one in np.bincount(self.labels, self.weights)]
+
+def even_places(size: int, count: int, seed: int) -> Labels:
+    """``count`` places, spread evenly over ``size`` draws of one weight."""
+    steps = np.arange(count) + np.random.default_rng(seed).random()
+    return np.asarray(steps * size / max(count, 1), dtype=np.int64)
 
 
 def extra(package: str) -> MissingExtraError:
@@ -69,34 +66,22 @@ def extra(package: str) -> MissingExtraError:
     )
 
 
-def branches_of_draws(posterior: Posterior, work: Array, weights: Array, seed: int = 1) -> Labels:
-    """Number (n) of the branch of each draw, the most probable branch being 0. Raises
+def likeliest_of_clusters(posterior: Posterior, work: Array, seed: int) -> Array:
+    """The likeliest draw of all, then that of each cluster of draws (n, quantities). Raises
     :class:`MissingExtraError` without scikit-learn.
     """
     try:
         from sklearn.cluster import HDBSCAN
-        from sklearn.neighbors import KNeighborsClassifier
     except ImportError as error:
         raise extra("scikit-learn") from error
-    single = np.zeros(len(work), dtype=np.int64)
-    deviation = np.sqrt(weights @ (work - weights @ work) ** 2)
-    scaled = work / np.where(deviation > 0, deviation, 1.0)
-    chosen, _ = even_draws(weights, min(PARTED, len(work)), seed)
-    if len(chosen) < 4 / MIN_PART:
-        return single
-    smallest = max(10, int(MIN_PART * len(chosen)))
-    parts = HDBSCAN(smallest, allow_single_cluster=True, copy=True).fit_predict(scaled[chosen])
-    count = parts.max() + 1
-    if count < 2:
-        return single
-    height = posterior.log_posterior(work[chosen])
-    tops = [chosen[np.argmax(np.where(parts == part, height, -np.inf))] for part in range(count)]
-    joined = np.array(joined_peaks(posterior, work[tops]))
-    clear = parts >= 0
-    near = KNeighborsClassifier(min(5, int(clear.sum())))
-    labels = near.fit(scaled[chosen[clear]], joined[parts[clear]]).predict(scaled)
-    rank = np.argsort(np.argsort(-np.bincount(labels, weights), kind="stable"))
-    return np.asarray(rank[labels], dtype=np.int64)
+    chosen = work[even_places(len(work), min(CLUSTERED, len(work)), seed)]
+    height = posterior.log_posterior(chosen)
+    tops, least = [np.argmax(height)], max(10, int(LEAST_CLUSTER * len(chosen)))
+    if len(chosen) > 4 * least:
+        scaled = chosen / np.maximum(np.std(chosen, axis=0), np.finfo(float).tiny)
+        parts = HDBSCAN(least, allow_single_cluster=True, copy=True).fit_predict(scaled)
+        tops += [np.argmax(np.where(parts == k, height, -np.inf)) for k in range(max(parts) + 1)]
+    return chosen[list(dict.fromkeys(tops))]
 
 
 def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
@@ -118,29 +103,6 @@ def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
     return [order.index(number) for number in owner]
 
 
-def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
-    """Places of about ``count`` draws chosen evenly by weight, and how often each was."""
-    steps = (np.arange(max(count, 1)) + np.random.default_rng(seed).random()) / max(count, 1)
-    indices, counts = np.unique(
-        np.searchsorted(np.cumsum(weights), steps).clip(0, len(weights) - 1), return_counts=True
-    )
-    return indices, counts
-
-
-def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
-    """Weighted percentiles (0 to 100) of values that are not NaN, by the middle of each weight; NaN
-    where there is none.
-    """
-    known = np.isfinite(values) & (weights > 0)
-    if not known.any():
-        return (np.nan,) * len(shares)
-    order = np.argsort(values[known], kind="stable")
-    ordered = weights[known][order]
-    middle = (np.cumsum(ordered) - 0.5 * ordered) / ordered.sum()
-    found = np.interp(np.array(shares) / 100.0, middle, values[known][order])
-    return tuple(found.tolist())
-
-
 def branches_of_peaks(
     posterior: Posterior, peaks: Sequence[Peak]
 ) -> tuple[list[Peak], list[float], float]:
@@ -159,6 +121,23 @@ def branches_of_peaks(
     return [best[k] for k in order], (shares[order] / shares[order].sum()).tolist(), total
 
 
+def branches_of_draws(
+    posterior: Posterior, peaks: Sequence[Peak], work: Array
+) -> tuple[list[Peak], list[float], Labels]:
+    """The peaks that draws belong to, the most probable first, with the share and the labels (n) of their draws: those to
+    which its linearised misfit is the least.
+    """
+    misfits = []
+    for one in peaks:
+        off = (work - one.work) / posterior.spread
+        misfits.append(one.misfit + np.sum((off @ one.jacobian.T) ** 2, axis=1) + np.sum(off**2, axis=1))  # fmt: skip
+    nearest = np.argmin(misfits, axis=0)
+    shares = np.bincount(nearest, minlength=len(peaks)) / len(work)
+    order = [k for k in np.argsort(-shares, kind="stable").tolist() if shares[k]]
+    rank = np.argsort(np.argsort(-shares, kind="stable"))
+    return [peaks[k] for k in order], shares[order].tolist(), rank[nearest]
+
+
 def linear_draws(
     posterior: Posterior, peaks: Sequence[Peak], shares: Sequence[float], count: int, seed: int
 ) -> Draws:
@@ -166,8 +145,8 @@ def linear_draws(
     note says where they do not hold. Their evidence is not set.
     """
     random = np.random.default_rng(seed)
-    work, labels, note = [], [], ""
-    for number, (peak, share) in enumerate(zip(peaks, shares, strict=True)):
+    work, note = [], ""
+    for peak, share in zip(peaks, shares, strict=True):
         drawn, density = draws_of_peak(posterior, peak, max(round(share * count), 1), random)
         off = posterior.log_posterior(drawn) - density
         top = np.max(off, initial=-np.inf)
@@ -176,9 +155,8 @@ def linear_draws(
         if len(off) > 20 and holds < HOLDS:
             note = f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws count); sample with nested"
         work.append(drawn)
-        labels.append(np.full(len(drawn), number))
-    points = np.vstack(work)
-    return Draws(points, np.full(len(points), 1.0 / len(points)), np.concatenate(labels), note=note)
+    labels = np.repeat(np.arange(len(peaks)), [len(drawn) for drawn in work])
+    return Draws(np.vstack(work), labels, note=note)
 
 
 def draws_of_peak(
@@ -205,8 +183,7 @@ def draws_of_peak(
 
 
 def nested(posterior: Posterior, search: Search, report: Progress = silent) -> Draws:
-    """Weighted draws of the posterior with their branches, and the logarithm of its evidence, which
-    has no error bar.
+    """Draws of the posterior, of one branch so far, and the logarithm of its evidence, which has no error bar.
 
     Another number of ``lanes`` of the search, points requested at once, is another (equally good) sequence of
     points. Raises :class:`InputError` where no point of the prior can be computed,
@@ -222,16 +199,16 @@ def nested(posterior: Posterior, search: Search, report: Progress = silent) -> D
 
     def log_likelihoods(shares: Array) -> Array:
         nonlocal done, possible
-        found = posterior.log_likelihood(
+        heights = posterior.log_likelihood(
             posterior.from_shares(np.clip(shares[:, :count], 0.0, 1.0))
         )
-        done, possible = done + len(found), possible + int(np.isfinite(found).sum())
+        done, possible = done + len(heights), possible + int(np.isfinite(heights).sum())
         if not possible and done >= TRIED:
             raise InputError(
                 "no point of the priors can be computed or meets the data; widen the priors or check the measurements"
             )
         report(min(done / expected, 0.99), f"{done} points")
-        return np.maximum(found, IMPOSSIBLE)
+        return np.maximum(heights, IMPOSSIBLE)
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -255,12 +232,6 @@ def nested(posterior: Posterior, search: Search, report: Progress = silent) -> D
                 raise
             for shell in range(len(sampler.points)):  # the stop met one half updated
                 sampler.update_shell_info(shell)
-        shares, log_weights, _ = sampler.posterior()
-    weights = np.exp(log_weights - np.max(log_weights))
-    retained = weights > NO_WEIGHT
-    work = posterior.from_shares(shares[retained, :count])
-    weights = weights[retained] / weights[retained].sum()
-    labels = np.zeros(len(work), dtype=np.int64)
-    if whole:
-        labels = branches_of_draws(posterior, work, weights, search.seed)
-    return Draws(work, weights, labels, float(sampler.log_z), whole=whole)
+        shares, *_ = sampler.posterior(equal_weight=True)
+    work = posterior.from_shares(shares[:, :count])
+    return Draws(work, np.zeros(len(work), dtype=np.int64), float(sampler.log_z), whole=whole)

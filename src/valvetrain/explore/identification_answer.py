@@ -165,7 +165,7 @@ class IdentificationAnswer(ExploreAnswer):
 
     def files(self) -> Mapping[str, Write]:
         """The draws, and the case with the likeliest values."""
-        made: dict[str, Write] = {"draws.nc": self.result.save_draws}
+        made: dict[str, Write] = {"draws.nc": self.result.save}
         if text := self.result.case_file:
             made[CASE] = lambda path: write_text(path, text)
         return made

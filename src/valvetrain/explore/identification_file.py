@@ -22,7 +22,6 @@ from valvetrain.explore.space import Prior, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
 from valvetrain.registry import find
-from valvetrain.solution.atomic import digest
 
 Method = Literal["least-squares", "nested"]
 _MOST = 10_000_000
@@ -135,26 +134,6 @@ class IdentificationPlan:
     evaluator: str
     options: tuple[tuple[str, float], ...]
     text: str
-
-    @property
-    def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
-        """Targets of every point, measured under conditions of which something is fitted; and those
-        of the draws alone.
-        """
-        fitted = {one.key for one in self.data if one.used}
-        searched = {one.station for one in self.targets if one.key in fitted}
-        measured = {one.key for one in self.data}
-        first = tuple(
-            one for one in self.targets if one.station in searched and one.key in measured
-        )
-        return first, tuple(one for one in self.targets if one not in first)
-
-    @property
-    def identity(self) -> str:
-        """What the outcome of a point depends on but the version, in 32 digits."""
-        names = tuple(one.name for one in self.unknowns)
-        subject = (self.case.record().digest, self.varied, names, self.parts)
-        return digest(repr((*subject, self.evaluator, self.options)).encode())
 
 
 def read_identification(file: FileText[IdentificationModel]) -> IdentificationPlan:

@@ -4,12 +4,10 @@ measurement is in its prediction.
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,27 +15,23 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.explore.draws import even_draws
+from valvetrain.explore.draws import even_places
 from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Array, Varied
 from valvetrain.parameters.changes import nearest
-from valvetrain.solution.atomic import checked_content
-from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.display import Reported, verdict_first
-from valvetrain.solution.netcdf import dataset_of, write_image
+from valvetrain.solution.netcdf import load_result
 from valvetrain.units import dimension_of
 
 if TYPE_CHECKING:
     import xarray
 
 
-#: Role of the columns of a Dataset of draws that were looked for.
-QUANTITY = "quantity"
-#: Ends of the intervals (percent).
-LOW, HIGH = 2.5, 97.5
+#: Shares of the draws below the ends and the middle of an interval.
+SHARES = (0.025, 0.5, 0.975)
 
 
 def si_unit(unit: str) -> str:
@@ -112,10 +106,8 @@ class Predicted(Prediction):
 class Identified(Reported):
     """The answer of :func:`valvetrain.identify`. SI throughout.
 
-    ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
-    ``branch_of`` (draw); ``predicted``:
-    every measurement with its prediction; ``predictions`` of what was not measured;
-    ``computed``: each computed
+    ``branches``, the most probable first; ``values`` (draw, quantity) and ``branch_of`` (draw) of draws of one weight;
+    ``predicted``: every measurement with its prediction; ``predictions`` of what was not measured; ``computed``: each computed
     quantity over the draws; ``log_evidence``; ``note``: where a linearised posterior does not hold;
     ``start``: values that the case has, or the middles of the priors;
     ``case_file``: text of the case with the likeliest values, ``text``: that of the identification
@@ -139,7 +131,6 @@ class Identified(Reported):
     unknowns: tuple[Unknown, ...]
     branches: tuple[Branch, ...]
     values: Array
-    weights: Array
     branch_of: NDArray[np.int64]
     predicted: tuple[Predicted, ...]
     predictions: tuple[Prediction, ...]
@@ -187,28 +178,24 @@ class Identified(Reported):
         return fits[0].percentile
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset over draw: the quantities (SI), the weight and branch of each draw, and every
-        computed number.
-        """
+        """A Dataset over draw: the quantities (SI), the branch of each draw, and every computed number."""
         import xarray
 
-        data: dict[str, Any] = {
-            one.name: ("draw", column, {"units": si_unit(one.unit), "role": QUANTITY})
-            for one, column in zip(self.unknowns, self.values.T, strict=True)
-        }
         units = {one.key: one.unit for one in (*self.predictions, *self.predicted)}
-        for key, values in self.computed.items():
-            data[f"computed {key}"] = ("draw", values, {"units": si_unit(units.get(key, ""))})
-        data |= {
-            "weight": ("draw", self.weights, {"units": "1"}),
-            "branch": ("draw", self.branch_of),
+        data: dict[str, Any] = {
+            one.name: ("draw", column, {"units": si_unit(one.unit)})
+            for one, column in zip(self.unknowns, self.values.T, strict=True)
+        } | {
+            f"computed {key}": ("draw", column, {"units": si_unit(units.get(key, ""))})
+            for key, column in self.computed.items()
         }
-        return xarray.Dataset(data, attrs={"method": self.method, "title": self.name})
+        return xarray.Dataset(
+            {**data, "branch": ("draw", self.branch_of)},
+            attrs={"method": self.method, "title": self.name},
+        )
 
-    def to_arviz(self, draws: int = 1000, seed: int = 1) -> Any:
-        """About ``draws`` equally weighted draws of the posterior as ArviZ takes them. Raises
-        :class:`MissingExtraError` where ArviZ is not installed.
-        """
+    def to_arviz(self) -> Any:
+        """The draws of the posterior as ArviZ takes them. Raises :class:`MissingExtraError` where ArviZ is not installed."""
         try:
             with warnings.catch_warnings():  # of its next version
                 warnings.simplefilter("ignore")
@@ -217,33 +204,14 @@ class Identified(Reported):
             raise MissingExtraError(
                 "arviz is not installed; install it with pip install 'valvetrain[posterior]'"
             ) from error
-        index, counts = even_draws(self.weights, draws, seed)
-        rows = np.repeat(self.values[index], counts, axis=0)[None]
-        posterior = {name: rows[..., k] for k, name in enumerate(self.names)}
+        posterior = {name: self.values[None, :, k] for k, name in enumerate(self.names)}
         try:
             return arviz.from_dict(posterior=posterior)
         except TypeError:  # from ArviZ 1.0
             return arviz.from_dict({"posterior": posterior})
 
-    def save_draws(self, path: Path) -> Path:
-        """Write the draws as NetCDF with a checksum, names as the format allows them and their own as ``long_name``."""
-        variables = dict[str, Variable]()
-        for name, one in self.to_xarray().data_vars.items():
-            plain = re.sub(r"\W", "_", str(name), flags=re.ASCII)
-            while plain in variables:
-                plain += "_"
-            variables[plain] = Variable(
-                ("draw",), one.values, {**one.attrs, "long_name": str(name)}
-            )
-        return write_image(
-            ChannelArrays(variables, {}, {"method": self.method, "title": self.name}), {}, path
-        )
-
     def __repr__(self) -> str:
         return verdict_first(self, [f"Identified by {self.method}: {', '.join(self.names)}"])
-
-
-_NO_DRAWS = "holds no draws of an identification; give draws.nc of its folder"
 
 
 class PosteriorOptions(CountedOptions):
@@ -255,35 +223,20 @@ class PosteriorOptions(CountedOptions):
 def _first_posterior(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     """Draws (count, d) in SI of equal weight, every quantity by its label or name."""
     assert isinstance(options, PosteriorOptions)
-    columns, weights = read_draws(Path(options.file))
-    chosen = []
+    source = load_result(options.file)
+    if not isinstance(source, Identified):
+        raise InputError("holds no draws; give draws.nc of an identification", options.file)
+    columns = []
     for one in varied:
-        name = next((name for name in (one.label, one.name) if name in columns), None)
+        name = next((name for name in (one.label, one.name) if name in source.names), None)
         if name is None:
             raise InputError(
-                f"the draws have no '{one.shown_name[:60]}'; {nearest(one.shown_name, tuple(columns))}",
+                f"the draws have no '{one.shown_name[:60]}'; {nearest(one.shown_name, source.names)}",
                 "points.file",
             )
-        chosen.append(columns[name])
-    places, counts = even_draws(weights / weights.sum(), options.count, options.seed)
-    return np.repeat(np.column_stack(chosen)[places], counts, axis=0)
-
-
-def read_draws(path: Path) -> tuple[dict[str, Array], Array]:
-    """Values (SI) by quantity and weights of a file of draws. Raises :class:`InputError` for another
-    file, or one whose bytes are not those that were written.
-    """
-    if not checked_content(path)[1]:
-        raise InputError(_NO_DRAWS, str(path))
-    dataset = dataset_of(path)
-    columns = {
-        str(one.attrs["long_name"]): np.asarray(one.values, dtype=float)
-        for one in dataset.data_vars.values()
-        if one.attrs.get("role") == QUANTITY
-    }
-    if not columns or "weight" not in dataset:
-        raise InputError(_NO_DRAWS, str(path))
-    return columns, np.asarray(dataset["weight"].values, dtype=float)
+        columns.append(source.values[:, source.names.index(name)])
+    places = even_places(len(source.values), options.count, options.seed)
+    return np.column_stack(columns)[places]
 
 
 POSTERIOR_SPEC = SamplerSpec(

@@ -5,8 +5,9 @@ one's own.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -39,16 +40,11 @@ ROUNDS, TOGETHER = 3, 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class OwnPoints(Computation):
-    """Points that a ``function`` of one's own computes, many at a time; ``identity``: what they are stored by."""
+class FunctionPoints(Computation):
+    """Points that a ``function`` computes, many at a time; ``subject``: all that they depend on besides their values."""
 
     function: Evaluate
-    identity: str
-
-    @property
-    def subject(self) -> str:
-        """What the points are stored by."""
-        return self.identity
+    subject: Any = ""
 
     def evaluate(self, values: Iterable[float], run: Any) -> Outcome:
         """The outcome of one point."""
@@ -58,25 +54,6 @@ class OwnPoints(Computation):
         """The outcomes of a batch."""
         numbers = self.function(np.array([values for values, _ in places]))
         return [Outcome(IMPOSSIBLE) if one is None else Outcome(values=one) for one in numbers]
-
-
-@dataclass(frozen=True, eq=False)
-class PackagePoints(Computation):
-    """Points of a plan that the evaluator of a package computes."""
-
-    plan: IdentificationPlan
-
-    @property
-    def subject(self) -> list[str]:
-        """The plan, and the versions."""
-        return [self.plan.identity, versions_digest()]
-
-    def evaluate(self, values: Iterable[float], run: Any) -> Outcome:
-        """The outcome of one point."""
-        names = tuple(one.name for one in self.plan.unknowns)
-        compute = evaluator_of(self.plan.evaluator).points(names, dict(self.plan.options))
-        numbers = compute(tuple(map(float, values)))
-        return Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
 
 
 def identify_points(
@@ -89,7 +66,7 @@ def identify_points(
 ) -> Identified:
     """The identification of a computation of one's own, as :func:`valvetrain.identify` takes it."""
     unknowns = tuple(Unknown(name, prior) for name, prior in priors.items())
-    points = OwnPoints(evaluate, repr((unknowns, tuple(measurements))))
+    points = FunctionPoints(evaluate, repr((unknowns, tuple(measurements))))
     with Engine((points,), 1, folder, TOGETHER) as engine:
         posterior = Posterior(unknowns, tuple(measurements), numbers_by(engine, points))
         return solve(posterior, search or Search(), engine.store, report=watch.report)
@@ -184,32 +161,39 @@ def identify_sought(
 
 
 def computations_of(plan: IdentificationPlan) -> tuple[Computation, Computation | None]:
-    """What computes the points of a plan: its case under the conditions of its measurements, or
-    the evaluator it names; and what computes it under conditions of which nothing is fitted, for
-    the draws alone (None where there are none).
+    """What computes the points of a plan: its case under the conditions of which something is fitted, or the evaluator it
+    names; and what computes it under the others, for the draws alone (None where there are none).
     """
     if plan.evaluator:
-        return PackagePoints(plan), None
-    first, later = (Observed(plan.case, plan.varied, part) for part in plan.parts)
-    return first, later if later.targets else None
+        names = tuple(one.name for one in plan.unknowns)
+        function = evaluator_of(plan.evaluator).points(names, dict(plan.options))
+        subject = [plan.evaluator, names, plan.options, versions_digest()]
+        return FunctionPoints(partial(_one_by_one, function), subject), None
+    fitted, measured = {one.key for one in plan.data if one.used}, {one.key for one in plan.data}
+    stations = {one.station for one in plan.targets if one.key in fitted}
+    first = tuple(one for one in plan.targets if one.station in stations and one.key in measured)
+    later = tuple(one for one in plan.targets if one not in first)
+    both = (Observed(plan.case, plan.varied, first), Observed(plan.case, plan.varied, later))
+    return both if later else (both[0], None)
+
+
+def _one_by_one(function: Callable[[Sequence[float]], Numbers], points: Array) -> list[Numbers]:
+    return [function(row) for row in points.tolist()]
 
 
 def identified_case(plan: IdentificationPlan, best: Mapping[str, float]) -> str:
     """Text of the case of a plan with the values ``best`` (SI); empty of an evaluator of points, and for
     values that no file of the case can hold.
     """
-    pairs = zip(plan.unknowns, plan.varied, strict=not plan.evaluator)
-    values = {one: best[unknown.name] for unknown, row in pairs for one in row}
+    if plan.evaluator:
+        return ""
+    pairs = zip(plan.unknowns, plan.varied, strict=True)
     try:
-        case = None if plan.evaluator else vary(plan.case, values)
+        case = vary(plan.case, {one: best[unknown.name] for unknown, row in pairs for one in row})
     except InputError:
-        case = None
-    if case is None:
         return ""
     tree = dict(tables_of(case).bare) | {"title": f"{plan.title}: identified"}
-    for key in ("study", "description"):
-        tree.pop(key, None)
-    return toml_text(tree)
+    return toml_text({key: one for key, one in tree.items() if key not in ("study", "description")})
 
 
 def values_of_case(plan: IdentificationPlan) -> tuple[float, ...]:

@@ -152,31 +152,28 @@ class Information:
 
 
 def information_of(posterior: Posterior, jacobian: Array) -> Information:
-    """From the slopes (used data, quantities) at the likeliest point."""
+    """From the slopes (used data, quantities) at the likeliest point: pairs that are one, then larger groups of which a
+    combination is left to the priors.
+    """
     covariance = posterior.remaining(jacobian)
-    return Information(1.0 - np.diag(covariance), _groups(jacobian, covariance))
-
-
-def _groups(jacobian: Array, covariance: Array) -> tuple[tuple[int, ...], ...]:
-    """Pairs that are one, then larger groups of which a combination is left to the priors."""
     alone, vague = np.sum(jacobian**2, axis=0), np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(vague, vague)
-    found: list[tuple[int, ...]] = [
+    groups: list[tuple[int, ...]] = [
         pair
         for pair in itertools.combinations(range(len(vague)), 2)
         if np.all(alone[list(pair)] > KNOWN_ALONE)
         and abs(correlation[pair]) > TWINS
         and np.any(vague[list(pair)] > OPEN)
     ]
-    paired = {place for pair in found for place in pair}
+    paired = {place for pair in groups for place in pair}
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     for value, vector in zip(values, vectors.T, strict=True):
         large = np.flatnonzero(np.abs(vector) > NAMED).tolist()
         if value < 1.0 and len(large) > 2 and set(large) - paired:
             if np.all(alone[large] > KNOWN_ALONE):
-                found.append(tuple(large))
+                groups.append(tuple(large))
                 paired |= set(large)
-    return tuple(found)
+    return Information(1.0 - np.diag(covariance), tuple(groups))
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,8 +204,8 @@ class Fit:
         return math.sqrt(max(self.chi_square / max(self.freedom, 1.0), 1.0))
 
 
-def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array) -> Fit:
-    """The fit at the likeliest point ``work`` (quantities) by the slopes there (data, quantities).
+def fit_of(posterior: Posterior, peak: Peak) -> Fit:
+    """The fit at the likeliest point.
 
     Every datum and every normal prior counts one degree of freedom; every quantity takes one, a flat
     one as far as the data determine it, one on its bound none.
@@ -217,25 +214,15 @@ def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array)
     >>> from valvetrain.explore.space import Prior
     >>> data = tuple(Datum(f"load {k}", value, 1.0) for k, value in enumerate((9.0, 10.0, 14.0)))
     >>> posterior = Posterior((Unknown("load", Prior("uniform", 0.0, 1e3)),), data, lambda points: [])
-    >>> found = fit_of(posterior, np.array([11.0]), {one.key: 11.0 for one in data}, np.full((3, 1), 288.7))
+    >>> found = fit_of(posterior, Peak(np.array([11.0]), {one.key: 11.0 for one in data}, 14.0, np.full((3, 1), 288.7)))
     >>> round(found.chi_square), round(found.freedom), round(found.p_value, 5)
     (14, 2, 0.00091)
     """
-    misses = posterior.residuals([outcome])
-    chi_square = float(np.sum(misses**2) + np.sum(posterior.pulls(work[None, :]) ** 2))
     low, high = posterior.bounds
     near = ON_BOUND * posterior.spread
-    free = (work > low + near) & (work < high - near)
+    free = (peak.work > low + near) & (peak.work < high - near)
     flat = np.array([one.prior.flat for one in posterior.unknowns])
-    determined = 1.0 - np.diag(posterior.remaining(jacobian))
+    determined = 1.0 - np.diag(posterior.remaining(peak.jacobian))
     freedom = len(posterior.used) + np.sum(~flat) - np.sum(np.where(flat, determined, 1.0)[free])
-    p_value = float(chdtrc(freedom, chi_square)) if freedom > NOTHING_LEFT else math.nan
-    return Fit(chi_square, float(freedom), p_value)
-
-
-def widenings(posterior: Posterior, jacobian: Array, scatter: float) -> Array:
-    """Factor (quantities) on each deviation once all data have ``scatter`` times theirs and the
-    priors stay as they are.
-    """
-    narrow, wide = (np.diag(posterior.remaining(jacobian, one)) for one in (1.0, scatter))
-    return np.asarray(np.sqrt(wide / narrow))
+    p_value = float(chdtrc(freedom, peak.misfit)) if freedom > NOTHING_LEFT else math.nan
+    return Fit(peak.misfit, float(freedom), p_value)

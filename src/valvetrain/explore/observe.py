@@ -1,6 +1,4 @@
-"""What a case gives at the places where something was measured: quantities, forces over
-compression, events, channels.
-"""
+"""What a case gives at the places where something was measured: quantities, and forces over compression."""
 
 from __future__ import annotations
 
@@ -25,10 +23,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
-from valvetrain.runs.requests import Run as RunOfCase
-from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
-from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status, reason
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
@@ -38,179 +33,86 @@ from valvetrain.system.problem import Problem
 IMPOSSIBLE = Status("refused", "the point cannot be computed")
 #: What computes a spring at rest where no model is named: of a wire, of a card.
 WIRE, CARD = "finite-element", "massless"
-#: Kinds of targets that are read from a solution in motion.
-IN_RUN = ("event", "channel")
-_MODE = re.compile(r"mode_(\d+)_frequency")
+#: Preload and frequencies of the only spring, which a model alone gives in a fraction of the time that all numbers take.
+_BY_MODEL = re.compile(r"preload|mode_(\d+)_frequency")
 
 
 @dataclass(frozen=True, eq=False)
 class Observed(Computation):
     """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and the
-    ``targets`` to compute. A run is a row of places of conditions.
+    ``targets`` to compute.
     """
 
     case: Case
     varied: tuple[tuple[Varied, ...], ...]
     targets: tuple[Target, ...]
 
-    @property
-    def stations(self) -> tuple[Run, ...]:
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
         """Conditions of the targets, each once."""
         return tuple(dict.fromkeys(one.station for one in self.targets))
-
-    @cached_property
-    def runs(self) -> tuple[tuple[int, ...], ...]:
-        """Places of conditions parted into those that one study of a case gives together: speeds by one
-        model, the static rod with them.
-        """
-        groups: dict[object, list[int]] = {}
-        for place, station in enumerate(self.stations):
-            alone = not _needs_run(station, self.targets)
-            key = place if alone else station[1:]
-            groups.setdefault(key, []).append(place)
-        still = next((k for k, one in enumerate(self.stations) if one == Run()), None)
-        if still is not None and (WIRE, "") in groups:
-            groups[WIRE, ""] += groups.pop(still)
-        return tuple(map(tuple, groups.values()))
 
     @property
     def subject(self) -> Any:
         """Case, keys, targets and versions."""
         return [self.case.record().digest, self.varied, self.targets, versions_digest()]
 
-    def case_at(self, values: Iterable[float]) -> Case:
-        """The case with its quantities at ``values`` (SI). Raises :class:`InputError` for a key
-        that is not there, an impossible case.
-        """
+    def evaluate(self, values: Iterable[float], run: Sequence[Any]) -> Outcome:
+        """Values of the targets under the conditions of a run, by key."""
         pairs = zip(self.varied, values, strict=True)
-        return vary(self.case, {one: value for row, value in pairs for one in row})
-
-    def evaluate(self, values: Iterable[float], run: Sequence[int]) -> Outcome:
-        """Values of the targets under some conditions, by key."""
-        stations = [self.stations[place] for place in run]
         try:
-            numbers = numbers_of(self.case_at(values), stations, self.targets)
+            case = vary(self.case, {one: value for row, value in pairs for one in row})
+            numbers = numbers_of(case, Run(*run), self.targets)
         except FAILURES as error:
             return Outcome(Status("refused", reason(error)))
         return Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
 
 
-def _needs_run(station: Run, targets: Sequence[Target]) -> bool:
-    """Whether the targets in motion need a whole solution."""
-    here = [one for one in targets if one.station == station]
-    names = tuple(one.name for one in here if one.kind == "quantity")
-    return station.engine_speed is not None and (
-        any(one.kind in IN_RUN for one in here) or not PointRequest(names).light
-    )
-
-
-def numbers_of(case: Case, stations: Sequence[Run], targets: Sequence[Target]) -> Numbers:
-    """Values of the ``targets`` of a case under several conditions, by key; None where one does not run.
-    Raises as building and running do.
+def numbers_of(case: Case, station: Run, targets: Sequence[Target]) -> Numbers:
+    """Values of those of the ``targets`` that belong to a ``station``, by key; None where it does not run. Raises as building
+    and running do.
     """
-    moving = [station for station in stations if _needs_run(station, targets)]
-    here = [one for one in targets if one.station in stations]
-    runs, still = dict[Run, Solution](), dict[str, float]()
-    if len(moving) > 1 or (moving and Run() in stations) or any(one.kind in IN_RUN for one in here):
-        runs, still = _runs(case, moving)
-    if not all(run.status.completed for run in runs.values()):
-        return None
-    numbers: dict[str, float] = {}
-    for station in stations:
-        asked = [one for one in here if one.station == station]
-        if station in runs:
-            named: Numbers = {**still, **runs[station].quantities}
-        else:
-            names = [one.name for one in asked if one.kind == "quantity"]
-            rests = station == Run() and set(names) <= still.keys()
-            named = still if rests or not names else _named(case, station, names)
-        if named is None:
+    rest = station.spring_model if station.engine_speed is None else ""
+    alone = rest not in ("", WIRE)
+    here = [one for one in targets if one.station == station]
+    whole = [
+        one for one in here if one.kind == "quantity" and not (alone and _BY_MODEL.fullmatch(one.name))
+    ]  # fmt: skip
+    numbers = dict[str, float]()
+    if whole:
+        request = PointRequest(tuple(one.name for one in whole), rest)
+        outcome = evaluate_case(case, Point(case, (), station, request))
+        if not outcome.status.completed:
             return None
-        for one in asked:
-            if one.kind == "quantity":
-                numbers[one.key] = named.get(one.name, np.nan)
-            elif one.kind in IN_RUN:
-                numbers[one.key] = _in_run(runs[station], one)
-        if forces := [one for one in asked if one.kind in ("force", "load")]:
-            problem = _built(case, station)
-            numbers |= {one.key: _force(problem, station, one) for one in forces}
+        numbers = {one.key: outcome.values.get(one.name, np.nan) for one in whole}
+    if len(whole) < len(here):
+        problem = build(case, spring_set=station.spring_sets)
+        rows = {one.key: _at_rest(problem, station, one) for one in here if one not in whole}
+        numbers |= rows
     return numbers
 
 
-def _built(case: Case, station: Run) -> Problem:
-    return build(case, spring_set=station.spring_sets)
-
-
-def _named(case: Case, station: Run, names: Sequence[str]) -> Numbers:
-    """Quantities of a case under a condition, None where it does not run. Preload and frequencies of
-    the only spring come from a model alone, in a hundredth of the time that all its numbers take.
-    """
-    modes = {name: _MODE.fullmatch(name) for name in names}
-    word = station.spring_model
-    quick = all(name == "preload" or mode for name, mode in modes.items())
-    if station.engine_speed is not None or word in ("", WIRE) or not quick:
-        rest = word if station.engine_speed is None else ""
-        request = PointRequest(tuple(modes), rest)
-        outcome = evaluate_case(case, Point(case, (), station, request))
-        return outcome.values if outcome.status.completed else None
-    problem = _built(case, station)
-    spring = _spring(problem, "")
+def _at_rest(problem: Problem, station: Run, one: Target) -> float:
+    """The number of a target that a spring model gives by itself."""
+    spring = _spring(problem, "" if one.kind == "quantity" else one.name)
+    word = station.spring_model or (WIRE if spring.wire is not None else CARD)
     if reason := spring_model(word).why_not(spring):
         raise InputError(reason, "spring_model")
-    model = problem.model_of(word, spring)
-    frequencies = dict(enumerate(axial_frequencies(model, MODES), 1))
-    return {
-        name: float(
-            frequencies.get(int(mode[1]), np.nan)
-            if mode
-            else force_of(spring, model, spring.precompression)
-        )
-        for name, mode in modes.items()
-    }
-
-
-def _runs(case: Case, stations: Sequence[Run]) -> tuple[dict[Run, Solution], dict[str, float]]:
-    """One study of a case at the speeds of ``stations`` that share model and set: the run of each,
-    and its numbers at rest.
-    """
-    models, sets = stations[0].models, stations[0].spring_sets
-    speeds = tuple(one.engine_speed for one in stations if one.engine_speed is not None)
-    study = run_study(
-        RunOfCase(case=case, engine_speeds=speeds, models=models, spring_sets=sets, workers=1)
-    )
-    still = {name: value for values in study.still.values() for name, value in values.items()}
-    label = study.labels[0]
-    return {one: study.solution(label, one.engine_speed) for one in stations}, still
-
-
-def _in_run(run: Solution, one: Target) -> float:
-    if one.kind == "event":
-        angles = sorted(
-            event.cam_angle % (2 * np.pi) for event in run.events if event.kind == one.name
-        )
-        return angles[round(one.at) - 1] if len(angles) >= one.at else np.nan
-    angle = run.cam_angle
-    last = angle >= angle[-1] - 2 * np.pi
-    turned, values = angle[last] % (2 * np.pi), np.asarray(run.channel(one.name), dtype=float)[last]
-    if values.ndim != 1:
-        return np.nan
-    order = np.argsort(turned, kind="stable")
-    return float(np.interp(one.at % (2 * np.pi), turned[order], values[order], period=2 * np.pi))
-
-
-def _force(problem: Problem, station: Run, one: Target) -> float:
-    spring = _spring(problem, one.name)
-    model = problem.model_of(
-        station.spring_model or (WIRE if spring.wire is not None else CARD), spring
-    )
-    if one.kind == "force":
-        return float(force_of(spring, model, one.at))
-    if spring.installed_height is None:
-        raise InputError(
-            f"the card of spring '{spring.name}' has no installed_height, so heights are not known; give compressions",
-            "heights",
-        )
-    return float(force_of(spring, model, spring.installed_height + spring.precompression - one.at))
+    model, at = problem.model_of(word, spring), one.at
+    if one.kind == "quantity":
+        mode = _BY_MODEL.fullmatch(one.name)
+        if mode is not None and mode[1]:
+            frequencies = axial_frequencies(model, MODES).tolist()
+            return float(dict(enumerate(frequencies, 1)).get(int(mode[1]), np.nan))
+        at = spring.precompression
+    if one.kind == "load":
+        if spring.installed_height is None:
+            raise InputError(
+                f"the card of spring '{spring.name}' has no installed_height, so heights are not known; give compressions",
+                "heights",
+            )
+        at = spring.installed_height + spring.precompression - at
+    return float(force_of(spring, model, at))
 
 
 def _spring(problem: Problem, name: str) -> InstalledSpring:

@@ -51,15 +51,12 @@ class Datum:
         """Computed less measured in units of the scatter."""
         return (np.asarray(computed, dtype=float) - self.value) / self.scatter
 
-    def percentile(self, computed: Array, weights: Array) -> float:
-        """Position of the measured value in its own prediction, 0 to 100: over the draws
-        ``computed`` with ``weights`` and its errors.
+    def percentile(self, computed: Array) -> float:
+        """Position of the measured value in its own prediction, 0 to 100: over the draws ``computed``
+        and its errors; NaN without any.
         """
-        known = np.isfinite(computed)
-        if not known.any() or weights[known].sum() <= 0:
-            return math.nan
-        share = ndtr(-self.deviation(computed[known]))
-        return float(100.0 * np.average(share, weights=weights[known]))
+        shares = ndtr(-self.deviation(computed[np.isfinite(computed)]))
+        return float(100.0 * np.mean(shares)) if len(shares) else math.nan
 
 
 #: Computed numbers of one point by key (SI); None for a point that cannot be computed, such as an
@@ -176,17 +173,13 @@ class Posterior:
                 outcomes[index] = one
         return outcomes
 
-    def computed(self, outcomes: Sequence[Numbers]) -> Array:
-        """Numbers (n, data) of the used data; NaN where a point is impossible or lacks one."""
-        rows = [[(one or {}).get(datum.key, np.nan) for datum in self.used] for one in outcomes]
-        return np.array(rows, dtype=float).reshape(len(rows), len(self.used))
-
     def residuals(self, outcomes: Sequence[Numbers]) -> Array:
-        """Scaled misses (n, data) of the used data, all NaN where a point lacks a number."""
-        columns = zip(self.used, self.computed(outcomes).T, strict=True)
-        found = np.column_stack([one.deviation(column) for one, column in columns])
-        found[~np.all(np.isfinite(found), axis=1)] = np.nan
-        return found
+        """Scaled misses (n, data) of the used data, all NaN where a point is impossible or lacks a number."""
+        columns = [[(one or {}).get(datum.key, np.nan) for one in outcomes] for datum in self.used]
+        pairs = zip(self.used, columns, strict=True)
+        misses = np.column_stack([datum.deviation(np.array(column)) for datum, column in pairs])
+        misses[~np.all(np.isfinite(misses), axis=1)] = np.nan
+        return misses
 
     def misses(self, work: Array) -> Array:
         """Scaled misses (n, data and quantities) of the used data and from the priors."""
@@ -198,8 +191,7 @@ class Posterior:
         """
         off = self.residuals(self.outcomes(work))
         top = sum(-math.log(one.scatter * math.sqrt(2 * math.pi)) for one in self.used)
-        found = top - 0.5 * np.sum(off**2, axis=1)
-        return np.where(np.isfinite(found), found, -np.inf)
+        return np.asarray(np.nan_to_num(top - 0.5 * np.sum(off**2, axis=1), nan=-np.inf))
 
     def log_posterior(self, work: Array) -> Array:
         """Logarithm (n) of prior times likelihood, not normalised."""

@@ -5,27 +5,26 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.explore.draws import (
     Draws,
+    branches_of_draws,
     branches_of_peaks,
-    even_draws,
+    even_places,
+    likeliest_of_clusters,
     linear_draws,
     nested,
-    percentiles,
 )
 from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
-    HIGH,
-    LOW,
+    SHARES,
     Branch,
     Identified,
     Interval,
@@ -33,14 +32,12 @@ from valvetrain.explore.identified import (
     Prediction,
 )
 from valvetrain.explore.least_squares import (
-    Fit,
     Peak,
     best_starts,
     covariance_of,
     fit_of,
     information_of,
     least_squares,
-    widenings,
 )
 from valvetrain.explore.posterior import Evaluate, Posterior
 from valvetrain.explore.space import Array
@@ -52,8 +49,10 @@ from valvetrain.runs.workers import Progress
 AMOUNT = re.compile(
     r"(amplitude_force|range|frequency|count|energy|impulse|duration|mass|stress)$|(^|_| )peak_\w*force$"
 )
-#: Quantile of the normal law at :data:`HIGH`.
+#: Quantile of the normal law at the upper end of an interval.
 _NORMAL = 1.959963984540054
+#: Iterations of least squares that begin at the likeliest draw of a cluster.
+ENDING = 4
 
 
 def solve(
@@ -75,51 +74,49 @@ def solve(
     """
     began = time.perf_counter()
     start = posterior.middle if start is None else start
-    if search.method == "nested":
-        draws = nested(posterior, search, report)
-        peaks = [_peak_of_draws(posterior, draws, number) for number in range(len(draws.shares))]
-        shares = draws.shares
+    sampled = search.method == "nested"
+    if sampled:
+        peaks, shares, draws = _sampled(posterior, search, report)
     else:
         peaks, shares, draws = _searched(posterior, search, start, report)
-    every = (np.arange(len(draws.work)), draws.weights)
-    columns = _columns(posterior, draws, peaks[0], start, posterior.evaluate, *every)
+    values = posterior.values(draws.work)
+    branches = tuple(
+        _branch(posterior, peak, share, draws.whole, values[draws.labels == number] if sampled else None)
+        for number, (peak, share) in enumerate(zip(peaks, shares, strict=True))
+    )  # fmt: skip
+    points = np.vstack([posterior.values(peaks[0].work[None, :]), start, values])
+    columns = defaultdict[str, Array](lambda: np.full(len(points), np.nan))
+
+    def compute(evaluate: Evaluate, rows: Sequence[int]) -> None:
+        for row, numbers in zip(rows, evaluate(points[rows]), strict=True):
+            for key, value in (numbers or {}).items():
+                columns[key][row] = value
+
+    compute(posterior.evaluate, [k for k in range(len(points)) if draws.whole or k != 1])
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
-        chosen = even_draws(draws.weights, search.draws, search.seed)
-        columns |= _columns(posterior, draws, peaks[0], start, compare, *chosen)
-    computed = {key: one.values for key, one in columns.items()}
-    branches = []
-    for number, (peak, share) in enumerate(zip(peaks, shares, strict=True)):
-        fit, inside = None, draws.weights * (draws.labels == number)
-        if draws.whole:
-            fit = fit_of(posterior, peak.work, peak.outcome, peak.jacobian)
-        of_draws = (draws, inside) if search.method == "nested" else None
-        branches.append(_branch(posterior, peak, share, fit, of_draws))
-    widening = 1.0 if branches[0].fit is None else branches[0].fit.widening
-    nothing = Column(math.nan, math.nan, np.full(len(draws.work), np.nan), draws.weights)
-    predicted = []
-    for one in posterior.data:
-        column = columns.get(one.key, nothing)
-        ends = column.ends(one.key, widening)
-        percentile = one.percentile(column.values, column.weights)
-        predicted.append(
-            Predicted(one.key, one.unit, column.best, *ends, one, percentile, column.start)
-        )
-    measured = {one.key for one in posterior.data}
+        chosen = even_places(len(values), min(search.draws, len(values)), search.seed)
+        compute(compare, [0, 1, *(2 + chosen).tolist()])
+    fit, measured = branches[0].fit, {one.key: one for one in posterior.data}
+    predicted, predictions = list[Predicted](), list[Prediction]()
+    for key in dict.fromkeys([*measured, *columns]):
+        best, begun, *_ = columns[key].tolist()
+        of_draws, datum = columns[key][2:], measured.get(key)
+        ends = (best, *_interval(key, of_draws, fit.widening if fit is not None else 1.0))
+        if datum is None:
+            predictions.append(Prediction(key, units.get(key, ""), *ends))
+        else:
+            percentile = datum.percentile(of_draws)
+            predicted.append(Predicted(key, datum.unit, *ends, datum, percentile, begun))
     return Identified(
         method=search.method,
         unknowns=posterior.unknowns,
-        branches=tuple(branches),
-        values=posterior.values(draws.work),
-        weights=draws.weights,
+        branches=branches,
+        values=values,
         branch_of=draws.labels,
         predicted=tuple(predicted),
-        predictions=tuple(
-            Prediction(key, units.get(key, ""), column.best, *column.ends(key, widening))
-            for key, column in columns.items()
-            if key not in measured
-        ),
-        computed=computed,
+        predictions=tuple(predictions),
+        computed={key: column[2:] for key, column in columns.items()},
         log_evidence=draws.log_evidence,
         note=draws.note,
         evaluations=store.computed,
@@ -130,50 +127,17 @@ def solve(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
-    """A computed number (SI; NaN where it was not computed): at the ``best`` point, at the
-    ``start``, and its ``values`` over the draws with the ``weights`` of those that were computed.
+def _interval(key: str, values: Array, widening: float) -> tuple[float, float, float]:
+    """2.5, 50 and 97.5 % of the finite ``values``, the ends ``widening`` times as far from the middle; of an amount never
+    below zero.
     """
-
-    best: float
-    start: float
-    values: Array
-    weights: Array
-
-    def ends(self, key: str, widening: float) -> tuple[float, float, float]:
-        """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle; of an amount
-        never below zero.
-        """
-        low, middle, high = percentiles(self.values, self.weights, (LOW, 50.0, HIGH))
-        wide = middle + widening * (low - middle)
-        if AMOUNT.search(key) and low >= 0:
-            wide = max(wide, 0.0)
-        return wide, middle, middle + widening * (high - middle)
-
-
-def _columns(
-    posterior: Posterior,
-    draws: Draws,
-    peak: Peak,
-    start: Array,
-    evaluate: Evaluate,
-    places: NDArray[np.int64],
-    counts: NDArray[Any],
-) -> dict[str, Column]:
-    """What ``evaluate`` computes, by key: of the draws at ``places`` with their weights ``counts``."""
-    points = posterior.values(np.vstack([peak.work, draws.work[places]]))
-    best, *outcomes = evaluate(points)
-    begun = evaluate(start[None, :])[0] if draws.whole else None
-    weights = np.zeros(len(draws.work))
-    weights[places] = counts
-    columns = {}
-    for key in dict.fromkeys(key for one in outcomes if one is not None for key in one):
-        values = np.full(len(draws.work), np.nan)
-        values[places] = [(one or {}).get(key, math.nan) for one in outcomes]
-        likeliest, early = ((one or {}).get(key, math.nan) for one in (best, begun))
-        columns[key] = Column(likeliest, early, values, weights)
-    return columns
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return math.nan, math.nan, math.nan
+    low, middle, high = np.quantile(values, SHARES, method="hazen").tolist()
+    wide = middle + widening * (low - middle)
+    wide = max(wide, 0.0) if AMOUNT.search(key) and low >= 0 else wide
+    return wide, middle, middle + widening * (high - middle)
 
 
 def _searched(
@@ -202,37 +166,40 @@ def _searched(
                 raise
             best = min(peaks, key=lambda one: one.misfit)
             single = np.zeros(1, dtype=np.int64)
-            return [best], [1.0], Draws(best.work[None, :], np.ones(1), single, whole=False)
+            return [best], [1.0], Draws(best.work[None, :], single, whole=False)
     peaks, shares, evidence = branches_of_peaks(posterior, peaks)
     draws = linear_draws(posterior, peaks, shares, search.draws, search.seed)
     return peaks, shares, replace(draws, log_evidence=evidence)
 
 
-def _peak_of_draws(posterior: Posterior, draws: Draws, number: int) -> Peak:
-    """Least squares from the likeliest draw of a branch, so that slopes are taken at its peak; the
-    draw itself where the search was stopped.
+def _sampled(
+    posterior: Posterior, search: Search, report: Progress
+) -> tuple[list[Peak], list[float], Draws]:
+    """Draws by nested sampling, with the peak of each branch by least squares from the likeliest draws of their clusters, and
+    its probability; the likeliest draw where the search was stopped.
     """
-    inside = draws.work[draws.labels == number]
-    begin = inside[np.argmax(posterior.log_posterior(inside))]
+    draws = nested(posterior, search, report)
     if draws.whole:
-        return least_squares(posterior, begin, iterations=4)
-    misfit = float(np.sum(posterior.misses(begin[None, :]) ** 2))
-    slopes = np.zeros((len(posterior.used), len(begin)))
-    return Peak(begin, posterior.outcomes(begin[None, :])[0], misfit, slopes)
+        begins = likeliest_of_clusters(posterior, draws.work, search.seed)
+        ends = [least_squares(posterior, one, iterations=ENDING) for one in begins]
+        peaks, _, _ = branches_of_peaks(posterior, ends)
+        peaks, shares, labels = branches_of_draws(posterior, peaks, draws.work)
+        return peaks, shares, replace(draws, labels=labels)
+    best = draws.work[[np.argmax(posterior.log_posterior(draws.work))]]
+    misfit = float(np.sum(posterior.misses(best) ** 2))
+    slopes = np.zeros((len(posterior.used), len(best[0])))
+    return [Peak(best[0], posterior.outcomes(best)[0], misfit, slopes)], [1.0], draws
 
 
 def _branch(
-    posterior: Posterior,
-    peak: Peak,
-    share: float,
-    fit: Fit | None,
-    of_draws: tuple[Draws, Array] | None,
+    posterior: Posterior, peak: Peak, share: float, whole: bool, values: Array | None
 ) -> Branch:
-    """A branch by its draws and their weights, or by the normal posterior about its peak where there are none. Its
-    intervals are those once the scatter of all data is as large as their misfit requires, no wider than the priors leave.
+    """A branch by ``values`` (n, quantities; SI) of its draws, or by the normal posterior about its peak where there are none.
+    Its intervals are those once the scatter of all data is as large as their misfit requires, no wider than the priors leave.
     """
+    fit = fit_of(posterior, peak) if whole else None
     best = posterior.values(peak.work[None, :])[0]
-    if of_draws is None:
+    if values is None:
         covariance = covariance_of(posterior, peak.jacobian)
         away = np.sqrt(np.diag(covariance))
         low, mean, high = posterior.values(peak.work + np.outer((-_NORMAL, 0.0, _NORMAL), away))
@@ -240,16 +207,16 @@ def _branch(
         deviation = np.where(logarithmic, best, 1.0) * away
         correlation = covariance / np.outer(away, away)
     else:
-        here = of_draws[1] > 0
-        weights, inside = of_draws[1][here], posterior.values(of_draws[0].work[here])
-        mean = np.average(inside, axis=0, weights=weights)
-        deviation = np.sqrt(np.average((inside - mean) ** 2, axis=0, weights=weights))
-        scaled = (inside - mean) / np.where(deviation > 0, deviation, 1.0)
-        correlation = (scaled * (weights / weights.sum())[:, None]).T @ scaled
-        low, high = np.array([percentiles(one, weights, (LOW, HIGH)) for one in inside.T]).T
+        mean, deviation = np.mean(values, axis=0), np.std(values, axis=0)
+        scaled = (values - mean) / np.where(deviation > 0, deviation, 1.0)
+        correlation = scaled.T @ scaled / len(values)
+        low, _, high = np.quantile(values, SHARES, axis=0, method="hazen")
     wider = np.ones(len(best))
-    if fit is not None and fit.widening != 1.0:
-        wider = widenings(posterior, peak.jacobian, fit.widening)
+    if fit is not None and fit.missed:
+        wide, narrow = (
+            np.diag(posterior.remaining(peak.jacobian, one)) for one in (fit.widening, 1.0)
+        )
+        wider = np.sqrt(wide / narrow)
         places = posterior.each("work", np.array([low, best, high]))
         middle = np.clip(places[1], places[0], places[2])
         low, high = posterior.values(middle + wider * (places[[0, 2]] - middle))

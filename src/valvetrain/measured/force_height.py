@@ -184,7 +184,7 @@ def force_height_in(
     """The stations in a table of numbers; as :func:`read_force_height`."""
     width, notes = table.rows.shape[1], []
     meanings = columns or tuple(column_meaning(word) for word in table.names)
-    along, pressed = _columns(meanings, width, name)
+    along, pressed = height_and_force(meanings, width, name)
     kind = meanings[along]
     length = column_scale(length_unit or table.units[along], "length", "length_unit", name)
     force = column_scale(force_unit or table.units[pressed], "force", "force_unit", name)
@@ -303,7 +303,7 @@ def _doubts(read: ForceHeight, name: str) -> list[Doubt]:
     return doubts
 
 
-def _columns(meanings: tuple[str, ...], width: int, name: str) -> tuple[int, int]:
+def height_and_force(meanings: tuple[str, ...], width: int, name: str) -> tuple[int, int]:
     """Numbers of the columns of height or travel and of force."""
     for word in meanings:
         if word and word not in COLUMNS:

@@ -10,7 +10,6 @@ import io
 import json
 import math
 import os
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -26,7 +25,6 @@ from valvetrain.solution.static import StaticCurve
 
 if TYPE_CHECKING:
     import h5py
-    import xarray
 
 _PathLike = str | os.PathLike[str]
 #: Most bytes that the best compression stores in one; variables of at most this size are always
@@ -95,16 +93,6 @@ def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[
             file.create_variable(name, (), h5py.string_dtype())[...] = text
 
 
-def write_image(arrays: ChannelArrays, texts: Mapping[str, str], path: _PathLike) -> Path:
-    """Write a file with a checksum from memory: a full disk then stops a plain write, not the library
-    of the format.
-    """
-    with io.BytesIO() as memory:
-        write_arrays(memory, arrays, texts)
-        image = memory.getvalue()
-    return write_bytes(path, image + closing_line(image))
-
-
 def save_netcdf(item: Any, path: _PathLike) -> Path:
     """Write any result of this package, or a tuple, list or dict of results, to one file; whole or not at all.
 
@@ -149,7 +137,12 @@ def save_netcdf(item: Any, path: _PathLike) -> Path:
     text = json.dumps(
         {"version": FORMAT_VERSION, "tree": tree, "layout": layout}, ensure_ascii=False
     )
-    return write_image(labelled.assign(bytes_of), {TREE: text}, path)
+    with (
+        io.BytesIO() as memory
+    ):  # a full disk then stops a plain write, not the library of the format
+        write_arrays(memory, labelled.assign(bytes_of), {TREE: text})
+        image = memory.getvalue()
+    return write_bytes(path, image + closing_line(image))
 
 
 def load_netcdf(path: _PathLike) -> Solution:
@@ -255,17 +248,6 @@ def _labelled(item: Any) -> ChannelArrays:
     }
     coords = {name: named.pop(name) for name in layout if name in _COORDINATES}
     return ChannelArrays(named, coords)
-
-
-def dataset_of(path: Path) -> xarray.Dataset:
-    """Everything in a NetCDF file, as it is stored; errors of the library pass."""
-    import xarray
-
-    with (
-        warnings.catch_warnings(action="ignore"),
-        xarray.open_dataset(path, engine="h5netcdf", decode_cf=False) as opened,
-    ):
-        return opened.load()
 
 
 def refuse_claims(path: Path) -> None:
