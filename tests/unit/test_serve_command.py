@@ -93,7 +93,7 @@ def test_another_address_gets_a_random_token_that_is_printed_once(started, monke
     ("words", "told"),
     [
         (("--host", "nowhere.invalid"), "is no address"),
-        (("--host", "192.0.2.1"), "no address of this machine"),
+        (("--host", "192.0.2.1"), "with port 8420 cannot be used"),
         (("--port", "70000"), "is outside"),
         (("--limit", "3 x"), "is no bound"),
         (("--most-running", "0"), "is outside"),
@@ -117,7 +117,7 @@ def test_a_taken_port_and_a_held_workspace_are_refused(started, tmp_path):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = str(other.getsockname()[1])
-        assert f"port {port} is taken" in sentence(call("serve", "--no-open", "--port", port))
+        assert f"port {port} cannot be used" in sentence(call("serve", "--no-open", "--port", port))
     release = Workspace(tmp_path / "held").hold()
     result = call("serve", "--no-open", "--port", "0", "--folder", "held")
     release()

@@ -199,17 +199,11 @@ def free_port(host: str, port: int) -> int:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind(place)
-        except PermissionError:
-            reason = f"port {port} may not be used by everybody; choose one above 1023"
-            raise InputError(reason, "--port") from None
         except OSError as error:
-            if error.errno == errno.EADDRINUSE:
-                raise InputError(
-                    f"port {port} is taken, perhaps by another server; choose another, or 0 for a free one",
-                    "--port",
-                ) from None
+            reason = (error.strerror or str(error)).lower()
+            where = "--host" if error.errno == errno.EADDRNOTAVAIL else "--port"
             raise InputError(
-                f"'{host[:60]}' is no address of this machine ({error.strerror}); give 127.0.0.1",
-                "--host",
+                f"'{host[:60]}' with port {port} cannot be used ({reason}); choose another port, 0 for a free one, or 127.0.0.1",
+                where,
             ) from None
         return int(listener.getsockname()[1])

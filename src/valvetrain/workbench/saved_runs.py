@@ -4,9 +4,7 @@ nothing is written twice.
 
 from __future__ import annotations
 
-import hashlib
 import json
-import re
 import threading
 import zipfile
 from collections.abc import Mapping
@@ -23,7 +21,7 @@ from valvetrain.runs.saved_runs import SavedRun, read_answer
 from valvetrain.solution.atomic import atomic_path, write_bytes
 from valvetrain.units.text import clipped
 from valvetrain.workbench.side_files import StoredFile, stored_files
-from valvetrain.workbench.store import MAX_LENGTH, checked_name, inside, writing
+from valvetrain.workbench.store import checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are saved next to the runs.
@@ -241,75 +239,33 @@ def saved_tests(run: Run) -> list[StoredFile]:
 
 def saved_test(run: Run, name: str) -> StoredFile:
     """The test of that name. Raises :class:`InputError` where there is none."""
-    checked_name(name)
-    for one in saved_tests(run):
-        if one.name == name:
-            return one
-    raise _gone(name)
-
-
-def read_test(run: Run, name: str) -> tuple[StoredFile, bytes]:
-    """The test of that name with its content. Raises :class:`InputError` where there is none, or
-    none any more.
-    """
-    with _turn:
-        found = saved_test(run, name)
-        try:
-            return found, found.path.read_bytes()
-        except OSError:
-            raise _gone(name) from None
-
-
-def saved_name(sent: str) -> str:
-    """The name under which a test that was sent as ``sent`` is saved: that name where a file here
-    may bear it, else one of its own.
-
-    Raises :class:`InputError` for a name of which nothing can be made.
-
-    >>> saved_name("cycles-2.csv"), saved_name("My cycles, no 2.csv")
-    ('cycles-2.csv', 'My-cycles-no-2-ef6dc0ac.csv')
-    """
-    sent = Path(sent).name
-    with suppress(InputError):
-        if len(sent) <= MAX_LENGTH:
-            return checked_name(sent)
-    parts = (
-        re.sub(r"\W+", "-", part)[:40].strip("-_") for part in (Path(sent).stem, Path(sent).suffix)
-    )
-    stem, ending = parts
-    digest = hashlib.sha256(sent.encode("utf-8", "replace")).hexdigest()[:8]
-    return checked_name(f"{stem or 'test'}-{digest}.{ending[:10]}".rstrip("."))
+    test = next((one for one in saved_tests(run) if one.name == checked_name(name)), None)
+    if test is None:
+        raise InputError(
+            f"there is no test '{clipped(name, 60)}' over this run; it may have been removed",
+            "test",
+        )
+    return test
 
 
 def keep_test(run: Run, name: str, content: bytes) -> StoredFile:
-    """Store the file of a test with a run, in place of one that was sent under the same name.
+    """Store the file of a test with a run, in place of one of the same ``name``.
 
-    Parameters
-    ----------
-    run : the run
-    name : name of the file; :func:`saved_name` gives the name under which it is saved
-    content : its bytes
-
-    Raises
-    ------
-    InputError : beyond the bounds, for a run in progress, and where it cannot be written
+    Raises :class:`InputError` beyond the bounds, for a name that no file here may bear, for a run in progress, and
+    where it cannot be written.
     """
-    ours = saved_name(name)
+    path = inside(run.folder, TESTS, name)
     with _turn:
-        others = [one for one in saved_tests(run) if one.name != ours]
-        if (
-            len(others) >= MAX_TESTS
-            or sum(one.size for one in others) + len(content) > MAX_TESTS_BYTES
-        ):
+        others = [one.size for one in saved_tests(run) if one.name != name]
+        if len(others) >= MAX_TESTS or sum(others) + len(content) > MAX_TESTS_BYTES:
             most = f"{MAX_TESTS} tests of {MAX_TESTS_BYTES / 1e6:.0f} MB"
             raise InputError(
-                f"with a run are saved at most {most}; remove one that is laid over it",
-                clipped(name, 60),
+                f"with a run are saved at most {most}; remove one that is laid over it", name
             )
         refuse_living(run.folder)
-        with writing("this test", clipped(name, 60)):
-            write_bytes(inside(run.folder, TESTS, ours), content)
-        return saved_test(run, ours)
+        with writing("this test", name):
+            write_bytes(path, content)
+        return saved_test(run, name)
 
 
 def remove_test(run: Run, name: str) -> None:
@@ -318,9 +274,3 @@ def remove_test(run: Run, name: str) -> None:
         saved_test(run, name).path.unlink(missing_ok=True)
         with suppress(OSError):  # where others are left
             (run.folder / TESTS).rmdir()
-
-
-def _gone(name: str) -> InputError:
-    return InputError(
-        f"there is no test '{clipped(name, 60)}' over this run; it may have been removed", "test"
-    )

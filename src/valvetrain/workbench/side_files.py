@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -124,47 +124,41 @@ def not_sent(text: str, sent: Mapping[str, bytes]) -> str:
     return f"names {missing_names}, {what} not sent with it; choose the case and the files it names together, then send them at once"
 
 
-#: What their names begin with.
-_SENT, _NEW = "upload-", ".new-"
+#: What the name of a passing folder begins with.
+_PASSING = ".new-"
 
 
 @contextmanager
-def side_by_side(passing: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
-    """A passing folder below ``passing`` with ``files``, where a case that names them is read for
-    the first time.
-    """
-    with writing("what was sent", "upload"):
-        held = tempfile.TemporaryDirectory(prefix=_SENT, dir=passing, ignore_cleanup_errors=True)
-    with held as name:
-        with writing("what was sent", "upload"):
-            for side, content in files.items():
-                inside(Path(name), side).write_bytes(content)
-        yield Path(name)
+def passing_folder(root: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
+    """A folder with ``files`` in a passing one below ``root``, where a case that names them is read before it is there."""
+    with (
+        writing("what was sent", "name"),
+        tempfile.TemporaryDirectory(prefix=_PASSING, dir=root, ignore_cleanup_errors=True) as name,
+    ):
+        made = Path(name) / "case"
+        made.mkdir()
+        for side, content in files.items():
+            write_bytes(inside(made, side), content)
+        yield made
 
 
-def new_folder(root: Path, name: str, text: str, files: Mapping[str, bytes]) -> None:
+def new_folder(root: Path, name: str, text: str, files: Mapping[str, bytes], read: Callable[[Path], object]) -> None:  # fmt: skip
     """Make the folder ``name`` of a case below ``root`` with its ``text`` and ``files``, whole or
-    not at all.
+    not at all; ``read`` refuses what is no case.
 
     Raises :class:`InputError` for a name that is taken, and where it cannot be written.
     """
     folder = inside(root, name)
-    with (
-        writing(f"the case '{name}'", "name"),
-        tempfile.TemporaryDirectory(prefix=_NEW, dir=root, ignore_cleanup_errors=True) as passing,
-    ):
-        made = Path(passing) / name
-        made.mkdir()
-        for side, content in files.items():
-            write_bytes(inside(made, side), content)
+    with passing_folder(root, files) as made:
+        read(made)
         write_text(made / CASE_FILE, text)
         if folder.exists():
             raise InputError(f"there is a case '{name}' already; choose another name", "name")
         made.rename(folder)
 
 
-def remove_passing(cases: Path, jobs: Path) -> None:
-    """Remove what a server that was killed left of them among the cases and below the jobs."""
-    for left in (*cases.glob(f"{_NEW}*"), *jobs.glob(f"{_SENT}*")):
+def remove_passing(root: Path) -> None:
+    """Remove what a server that was killed left of them."""
+    for left in root.glob(f"{_PASSING}*"):
         if not left.is_symlink():
             shutil.rmtree(left, ignore_errors=True)

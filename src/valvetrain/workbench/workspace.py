@@ -57,8 +57,8 @@ from valvetrain.workbench.side_files import (
     names_in,
     new_folder,
     not_sent,
+    passing_folder,
     remove_passing,
-    side_by_side,
     stored_files,
 )
 from valvetrain.workbench.starts import first_values
@@ -176,7 +176,7 @@ class Workspace:
             raise InputError(
                 f"another server works in '{name}'; stop it, or choose another folder", "--folder"
             )
-        remove_passing(self.cases_folder, self.jobs_folder)
+        remove_passing(self.cases_folder)
         return lambda: os.close(handle)
 
     # cases
@@ -249,16 +249,17 @@ class Workspace:
         sides = dict(side_files or {})
         refuse_foreign_files(text, where=clipped(name, 60))
         check_bounds(sides, "upload")
-        with side_by_side(self.jobs_folder, sides) as folder:
+
+        def read(folder: Path) -> None:
             try:
-                parse_case(text, self._free(name, numbered=True), folder, clipped(name, 60))
+                parse_case(text, "case", folder, clipped(name, 60))
             except InputError:
                 if missing := not_sent(text, sides):
                     raise InputError(missing, clipped(name, 60)) from None
                 raise
+
         with self.turn:
-            ours = self._free(name, numbered=True)
-            return self._put(ours, text, sides)
+            return self._put(self._free(name, numbered=True), text, sides, read)
 
     def text(self, case: CaseId) -> str:
         """The present case file. Raises :class:`InputError` for an unknown case."""
@@ -378,7 +379,7 @@ class Workspace:
         check_bounds({**sizes, checked_name(name): len(content)}, name, new=(name,))
         if name in (named := names_in(text := self.text(case))):
             others = {one: held for one, held in self.files(case).items() if one in named}
-            with side_by_side(self.jobs_folder, {**others, name: content}) as folder:
+            with passing_folder(self.cases_folder, {**others, name: content}) as folder:
                 parse_case(text, case, folder, case)
         write_bytes(inside(self._file(case).parent, name), content)
 
@@ -463,7 +464,13 @@ class Workspace:
             base.execute(_FORGET_CHANGES, (case, case, MAX_CHANGES))
             write_text(self._file(case), text)
 
-    def _put(self, ours: CaseId, text: str, sides: Mapping[str, bytes]) -> CaseId:
+    def _put(
+        self,
+        ours: CaseId,
+        text: str,
+        sides: Mapping[str, bytes],
+        read: Callable[[Path], object] = lambda folder: None,
+    ) -> CaseId:
         refuse_foreign_files(text)
-        new_folder(self.cases_folder, ours, with_name(text, ours), sides)
+        new_folder(self.cases_folder, ours, with_name(text, ours), sides, read)
         return ours

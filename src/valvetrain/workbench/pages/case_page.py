@@ -20,7 +20,6 @@ from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveChain
 from valvetrain.workbench.live_messages import LiveResult
-from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,
@@ -32,6 +31,7 @@ from valvetrain.workbench.pages.elements import (
     link,
     tag,
 )
+from valvetrain.workbench.pages.file_lists import case_files
 from valvetrain.workbench.pages.forms import (
     ENGINE_SPEED,
     engine_speed,
@@ -138,7 +138,7 @@ class CasePage:
                     opened = [group.key for group in case_form.groups if group.key][:OPEN_GROUPS]
                     changes = {"change": self.change, "add": self.add}
                     self.form = Form(changes, open=opened, **_shown(case_form))
-                    self.side_files = CaseFiles(self.desk, self.case, self.refresh)
+                    self.side_files = case_files(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     with tag("figure", classes="drawn case-drawn") as self.figure:
                         self.picture = tag("img", alt="the parts to scale, valve closed and open")

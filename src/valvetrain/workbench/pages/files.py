@@ -20,7 +20,7 @@ from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.parts import Part, comparison_part, run_part, test_part
 from valvetrain.workbench.pages.pictures import FAULTS
-from valvetrain.workbench.saved_runs import Run, keep_test, read_test
+from valvetrain.workbench.saved_runs import Run, keep_test, saved_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 from valvetrain.workbench.store import writing
 
@@ -45,7 +45,7 @@ def _laid(run: Run, name: str, content: bytes) -> str:
     """Lay a test over a run and store it with the run; its name there. Raises :class:`InputError` with the reason why it
     cannot be.
     """
-    _overlay(run, Path(name).name, content)
+    _overlay(run, name, content)
     return keep_test(run, name, content).name
 
 
@@ -53,8 +53,7 @@ def _shown(run: Run, name: str) -> Part:
     """The comparison with a test that was laid over a run. Raises :class:`InputError` where there is
     none, or it cannot be read.
     """
-    test, content = read_test(run, name)
-    return _overlay(run, test.name, content)
+    return _overlay(run, name, saved_test(run, name).path.read_bytes())
 
 
 def register(app: FastAPI, desk: Desk) -> None:

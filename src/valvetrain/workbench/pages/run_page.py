@@ -9,26 +9,21 @@ from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.case_page import missing_page
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, Upload, button, tag
+from valvetrain.workbench.pages.file_lists import FileList
 from valvetrain.workbench.pages.frame import frame
-from valvetrain.workbench.pages.html import sentence_of, size_text
 from valvetrain.workbench.pages.runs import run_head, run_table
 from valvetrain.workbench.saved_runs import Run, remove_test, saved_tests
+from valvetrain.workbench.side_files import StoredFile
 
 if TYPE_CHECKING:
     from nicegui.events import GenericEventArguments
 
 
 class RunTests:
-    """The panel of one visit: the tests that are saved with a run, one of which is shown.
-
-    Parameters
-    ----------
-    desk : workspace and bounds
-    run : the run
-    """
+    """The panel of one visit: the tests that are saved with a run, one of which is shown."""
 
     def __init__(self, desk: Desk, run: Run) -> None:
-        self.desk, self.run, self.shown = desk, run, ""
+        self.run, self.shown = run, ""
         with tag("div", classes="panel"):
             tag("h2", "Test data over this run")
             hint = "Measured cycles (.csv, .nc) as 'valvetrain rig' writes them, or a table of values. It stays with the run."
@@ -36,8 +31,12 @@ class RunTests:
             Upload(
                 {"done": self.arrived}, field="test-file", label="File of a test", hint=hint, url=address, most=desk.settings.most_upload,
             )  # fmt: skip
-            self.list = tag("ul", classes="files")
-            self.refusal = tag("div")
+            self.list = FileList(
+                lambda: saved_tests(run),
+                self.head,
+                lambda name: remove_test(run, name),
+                self.removed,
+            )
             self.over = Results()
         self.show()
 
@@ -45,53 +44,29 @@ class RunTests:
         """A test was sent: it is shown."""
         self.show(str(event.args["test"]))
 
-    def show(self, name: str = "", refusal: str = "") -> None:
+    async def removed(self) -> None:
+        """A test was taken away: that which was shown is shown again where it is still there."""
+        self.show(self.shown)
+
+    def show(self, name: str = "") -> None:
         """Show the test of that name, the newest where there is none, and the list of all."""
-        tests = saved_tests(self.run)
-        chosen = next((one for one in tests if one.name == name), None) or next(iter(tests), None)
-        self.shown = chosen.name if chosen is not None else ""
-        self.list.clear()
-        with self.list:
-            for one in tests:
-                self.row(one.name, one.size, len(tests) > 1)
-        self.refusal.clear()
-        with self.refusal:
-            if refusal:
-                tag("p", refusal, "refusal", role="alert")
-        place = (
-            ""
-            if chosen is None
-            else f"/part-test/{quote(self.run.run_id)}/{quote(chosen.name)}?at={chosen.changed}"
+        tests = {one.name: one for one in saved_tests(self.run)}
+        self.shown = name if name in tests else next(iter(tests), "")
+        self.list.show()
+        place = f"/part-test/{quote(self.run.run_id)}/{quote(self.shown)}"
+        self.over.tell(source=f"{place}?at={tests[self.shown].changed}" if tests else "")
+
+    def head(self, test: StoredFile) -> None:
+        """The name of a test, and a button that shows it."""
+        tag("span", test.name)
+        pressed = "true" if test.name == self.shown else "false"
+        button(
+            "Show",
+            lambda: self.show(test.name),
+            "button small",
+            aria_label=f"Show {test.name}",
+            aria_pressed=pressed,
         )
-        self.over.tell(source=place)
-
-    def row(self, name: str, size: int, several: bool) -> None:
-        """One test; ``several``: there are others to show in its place."""
-        with tag("li"):
-            tag("span", name)
-            tag("span", size_text(size), "hint")
-            with tag("span", classes="row"):
-                if several:
-                    pressed = "true" if name == self.shown else "false"
-                    button(
-                        "Show",
-                        lambda: self.show(name),
-                        "button small",
-                        aria_label=f"Show {name}",
-                        aria_pressed=pressed,
-                    )
-                button(
-                    "Remove", lambda: self.remove(name), "button small", aria_label=f"Remove {name}"
-                )
-
-    def remove(self, name: str) -> None:
-        """Take a test away from the run."""
-        refusal = ""
-        try:
-            remove_test(self.run, name)
-        except ValvetrainError as error:
-            refusal = sentence_of(error, "test")
-        self.show("" if name == self.shown else self.shown, refusal)
 
 
 def run_page(desk: Desk, run_id: str) -> None:
