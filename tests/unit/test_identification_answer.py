@@ -5,6 +5,7 @@ in, SI, whatever unit it was given in.
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -39,47 +40,20 @@ quantity = "preload"
 """
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("answer")
-    (place / "card.toml").write_text(CARD)
-    (place / "rate.toml").write_text(FILE)
-    return place
-
-
-@pytest.fixture(scope="module")
-def told(folder: Path) -> dict:
-    done = call(
-        "identify",
-        str(folder / "rate.toml"),
-        "--json",
-        "--workers",
-        "1",
-        "--output",
-        str(folder / "out"),
-    )
+def test_the_answer_tells_si_values_with_their_units(tmp_path: Path) -> None:
+    (tmp_path / "card.toml").write_text(CARD)
+    (tmp_path / "rate.toml").write_text(FILE)
+    words = (str(tmp_path / "rate.toml"), "--json", "--workers", "1", "--output", str(tmp_path / "out"))  # fmt: skip
+    done = call("identify", *words)
     assert done.exit_code == 0, done.stderr
-    return json.loads(done.stdout)
-
-
-def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -> None:
-    found = run_identification(
-        identification_plan(FILE, "card", folder),
-        Execution(workers=1),
-    )
+    told = json.loads(done.stdout)
+    found = run_identification(identification_plan(FILE, "card", tmp_path), Execution(workers=1))
     rate = found.branches[0].quantities["rate"]
     assert 31e3 < rate.best < 34e3
     codes = [one["code"] for one in told["findings"]]
     assert codes == ["I106"] and "verdict" not in told
     assert told["start"] == {"rate": 32e3} and told["units"] == {"rate": "N/m"}
-    expected = {
-        "best": rate.best,
-        "mean": rate.mean,
-        "deviation": rate.deviation,
-        "low": rate.low,
-        "high": rate.high,
-    }
-    assert told["branches"][0]["quantities"]["rate"] == expected
+    assert told["branches"][0]["quantities"]["rate"] == asdict(rate)
     load, ringing = told["predicted"]
     assert (load["datum"]["value"], load["datum"]["scatter"]) == (388.0, 4.0)
     assert load["datum"]["used"] and not ringing["datum"]["used"]

@@ -126,72 +126,49 @@ def guard():
     return Guard(inner, ServeSettings(most_body=1000))
 
 
-@pytest.mark.parametrize(
-    "host", ["127.0.0.1:8420", "localhost:8420", "[::1]:8420", "LOCALHOST:8420"]
-)
-def test_the_servers_own_names_are_answered(guard, host):
-    assert ask(guard, heads={"host": host}).status == 200
+FOREIGN = (
+    "evil.example:8420", "evil.example", "127.0.0.1:80", "127.0.0.1", "127.0.0.1.evil.example:8420", "", "127.0.0.1:8420@evil.example",
+    "127.0.0.1:8420, evil.example", "192.168.0.7:8420", "0.0.0.0:8420", "x:8420/",
+)  # fmt: skip
+PORT = "http://127.0.0.1:8420"
+UP = ("/../x", "/a/../../etc/passwd", "/%2e%2e/x", "/a\\..\\b", "/a\0b", "/..", "/a\r\nb")
+#: Method, path and headers -> status: names of the server, those that a page of another site leads here (DNS rebinding), requests
+#: of other sites and of its own pages, paths that lead up, and methods.
+VISITS = [
+    *(("GET", "/", {"host": host}, 200) for host in ("127.0.0.1:8420", "localhost:8420", "[::1]:8420", "LOCALHOST:8420")),
+    *(("GET", "/", {"host": host}, 403) for host in FOREIGN),
+    *(("POST", "/echo", {"origin": one}, 403) for one in ("http://evil.example", "null", "http://127.0.0.1:9999", "file://")),
+    ("GET", "/echo", {"origin": "http://evil.example"}, 403),
+    ("POST", "/echo", {}, 403),
+    ("GET", "/echo", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "no-cors"}, 403),
+    ("GET", "/echo", {"sec-fetch-site": "same-site", "sec-fetch-mode": "cors"}, 403),
+    ("POST", "/echo", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}, 403),
+    ("POST", "/echo", {"origin": PORT}, 200),
+    ("POST", "/echo", {"sec-fetch-site": "same-origin"}, 200),
+    ("GET", "/echo", {}, 200),
+    ("GET", "/echo", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}, 200),
+    ("GET", "/echo", {"sec-fetch-site": "none"}, 200),
+    *(("GET", path, {}, 403) for path in UP),
+    *((method, "/echo", {"origin": PORT}, 405) for method in ("PUT", "DELETE", "PATCH", "TRACE", "CONNECT")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("method", "path", "heads", "status"), VISITS)
+def test_a_request_is_answered_or_refused_by_where_it_comes_from(
+    guard, method, path, heads, status
+):
+    assert ask(guard, path, OWN | heads, method).status == status
 
 
 @pytest.mark.parametrize(
-    "host",
+    "heads",
     [
-        "evil.example:8420",
-        "evil.example",
-        "127.0.0.1:80",
-        "127.0.0.1",
-        "127.0.0.1.evil.example:8420",
-        "",
-        "127.0.0.1:8420@evil.example",
-        "127.0.0.1:8420, evil.example",
-        "192.168.0.7:8420",
-        "0.0.0.0:8420",
-        "x:8420/",
+        *({"host": host, "origin": f"http://{host}"} for host in FOREIGN),
+        *(OWN | one for one in ({}, {"origin": "http://evil.example"}, {"origin": "http://localhost:8420"})),
     ],
-)
-def test_a_name_that_leads_here_from_elsewhere_is_refused(guard, host):
-    """DNS rebinding: a browser sends the name of the page's own site, whatever address it leads to."""
-    assert ask(guard, heads={"host": host}).status == 403
-    assert talk(guard, {"host": host, "origin": f"http://{host}"})[0]["type"] == "websocket.close"
-
-
-@pytest.mark.parametrize(
-    ("method", "heads"),
-    [
-        ("POST", {"origin": "http://evil.example"}),
-        ("GET", {"origin": "http://evil.example"}),
-        ("POST", {"origin": "null"}),
-        ("POST", {"origin": "http://127.0.0.1:9999"}),
-        ("POST", {}),
-        ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "no-cors"}),
-        ("GET", {"sec-fetch-site": "same-site", "sec-fetch-mode": "cors"}),
-        ("POST", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}),
-        ("POST", {"origin": "file://"}),
-    ],
-)
-def test_a_request_of_another_site_is_refused(guard, method, heads):
-    assert ask(guard, "/echo", OWN | heads, method).status == 403
-
-
-@pytest.mark.parametrize(
-    ("method", "heads"),
-    [
-        ("POST", {"origin": "http://127.0.0.1:8420"}),
-        ("POST", {"sec-fetch-site": "same-origin"}),
-        ("GET", {}),
-        ("GET", {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}),
-        ("GET", {"sec-fetch-site": "none"}),
-    ],
-)
-def test_a_request_of_its_own_pages_is_answered(guard, method, heads):
-    assert ask(guard, "/echo", OWN | heads, method).status == 200
-
-
-@pytest.mark.parametrize(
-    "origin", [{}, {"origin": "http://evil.example"}, {"origin": "http://localhost:8420"}]
-)
-def test_a_socket_of_another_page_is_refused(guard, origin):
-    (closed,) = talk(guard, OWN | origin)
+)  # fmt: skip
+def test_a_socket_of_another_page_is_refused(guard, heads):
+    (closed,) = talk(guard, heads)
     assert closed["type"] == "websocket.close" and closed["code"] == 1008
 
 
@@ -214,18 +191,6 @@ def test_pages_that_are_open_at_a_time_are_bounded():
 
 def test_requests_at_a_time_are_bounded():
     assert ask(Guard(inner, ServeSettings(most_requests=0))).status == 503
-
-
-@pytest.mark.parametrize(
-    "path", ["/../x", "/a/../../etc/passwd", "/%2e%2e/x", "/a\\..\\b", "/a\0b", "/..", "/a\r\nb"]
-)
-def test_no_path_leads_up(guard, path):
-    assert ask(guard, path).status == 403
-
-
-@pytest.mark.parametrize("method", ["PUT", "DELETE", "PATCH", "TRACE", "CONNECT"])
-def test_other_methods_are_refused(guard, method):
-    assert ask(guard, "/echo", OWN | {"origin": "http://127.0.0.1:8420"}, method).status == 405
 
 
 def test_a_body_beyond_the_bound_is_refused_told_or_not(guard):
