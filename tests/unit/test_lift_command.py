@@ -50,8 +50,7 @@ def own_case(tmp_path, more=""):
 
 
 def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
-    words = ("--json", "--at", "5 mm", "--output", "out", "--write", "smooth.s96")
-    result = invoke("lift", str(table), *words, "--write-form", "s96")
+    result = invoke("lift", str(table), "--json", "--at", "5 mm", "--output", "out")
     data = json.loads(result.stdout)
     verdict = data["findings"][0]
     assert verdict["code"] == "L211"
@@ -66,8 +65,6 @@ def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
     assert {"lift.csv", "lift.toml", "report.html", "run.json"} <= {
         path.rsplit("/")[-1] for path in data["files"]
     }
-    written = np.loadtxt("smooth.s96")
-    assert len(written) == 396 and written[180] == pytest.approx(9.0, abs=0.01)
     csv = np.genfromtxt("out/lift.csv", delimiter=",", skip_header=1)
     nose = np.argmin(np.abs(csv[:, 0] - 180))
     assert csv[nose, 1] == pytest.approx(9.0, abs=0.01) and csv[nose, 5] == pytest.approx(
@@ -116,7 +113,6 @@ def _case_of(text: str) -> str:
         (("--rpm", "4000 rpm"), "name it with --case"),
         (("--columns", "angle, hub"), "a column is one of"),
         (("--zero", "top"), "zero is file or nose"),
-        (("--write", "a.txt", "--write-form", "odd"), "unknown"),
         (("--case", "job-t", "--draws", "2"), "draws is a number from 4"),
         (("--case", "tdi-pushrod"), "driven by the lift of the tappet"),
     ],

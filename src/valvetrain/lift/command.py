@@ -169,13 +169,6 @@ def lift(
     ] = 16,
     spring: SpringOption = None,
     spring_set: SpringSetOption = None,
-    write: Annotated[
-        Path | None, asks("--write", "FILE", "Write the smoothed lift at whole cam degrees.")
-    ] = None,
-    write_form: Annotated[
-        str,
-        typer.Option("--write-form", metavar="FORM", help="columns, s96, fractions or workbook."),
-    ] = "columns",
     output: OutputOption = None,
     workers: WorkersOption = None,
     limit: LimitOption = None,
@@ -190,7 +183,7 @@ def lift(
     choices = {name: str(value) for name, value in locals().items() if name not in MANNER}
     read = {name: one for name, one in locals().items() if name in READS and one}
     from valvetrain.lift.answer import LiftAnswer
-    from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
+    from valvetrain.lift.files import lift_case, lift_parameters, write_lift
     from valvetrain.lift.rules import LiftFacts
     from valvetrain.lift.shape import with_contour, write_contours
     from valvetrain.lift.timing import (
@@ -272,13 +265,10 @@ def lift(
         return files
 
     data = _data(facts)
-    outcome = saved_result(
+    deliver(saved_result(
         SavedRequest("lift", own, output), own.text, data,
         lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures
-    )  # fmt: skip
-    if write is not None:
-        data["files"].append(str(write_table(lobes, write, write_form)))
-    deliver(outcome)
+    ))  # fmt: skip
 
 
 def _si(text: str | None, dimension: str, flag: str) -> float | None:

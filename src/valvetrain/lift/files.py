@@ -1,4 +1,4 @@
-"""The files of a measured lift: its curves, its law for a case file, and its table in a common form."""
+"""The files of a measured lift: its curves, and its law for a case file."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain import registry
-from valvetrain.errors import InputError
 from valvetrain.lift.figures import Array, LobeResult
-from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_case import lend
 from valvetrain.parameters.toml_text import resolved, toml_text
-from valvetrain.solution.atomic import write_bytes, write_text
+from valvetrain.solution.atomic import write_text
 
 #: Cam degrees between the rows of the curves.
 STEP = 0.25
@@ -86,24 +83,3 @@ def write_columns(path: Path, headings: Sequence[str], columns: Sequence[Array])
     """A file of ``columns`` (rows,) below their ``headings``."""
     rows = (",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns))
     return write_text(path, "\n".join([",".join(headings), *rows]) + "\n")
-
-
-def write_table(lobes: Sequence[LobeResult], path: Path, form: str) -> Path:
-    """The smoothed lifts at whole cam degrees in one of the forms. Raises :class:`InputError` for a
-    form that cannot be written.
-    """
-    found: LiftFormat = registry.find("lift_formats", form, "--write-form")
-    if found.write is None:
-        raise InputError(f"lifts are not written in the form '{form}'; use columns", "--write-form")
-    first = min(lobe.smoothed.event[0] for lobe in lobes)
-    degrees = np.ceil(np.degrees(first)) - 1 + np.arange(360.0)
-    lifts = np.column_stack([lobe.smoothed.lift(np.radians(degrees)) for lobe in lobes])
-    lead = lobes[0].measured
-    table = LiftTable(
-        np.radians(degrees),
-        lifts,
-        tuple(lobe.measured.name for lobe in lobes),
-        lead.lift_of,
-        lead.zero,
-    )
-    return write_bytes(path, found.write(table))

@@ -1,8 +1,7 @@
-"""Forms of lift files: how each is recognised, read and written."""
+"""Forms of lift files: how each is recognised and read."""
 
 from __future__ import annotations
 
-import io
 import re
 import unicodedata
 from collections.abc import Callable, Mapping
@@ -12,7 +11,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.measured.tables import UNIT_NAMES, Array, TextTable, read_text_table, text_of
-from valvetrain.measured.workbooks import EXTRA, MARKS, MAX_COLUMNS, MAX_ROWS, sheets_of
+from valvetrain.measured.workbooks import MARKS, MAX_COLUMNS, MAX_ROWS, sheets_of
 
 #: What a column may be.
 COLUMN_NAMES = (
@@ -48,28 +47,12 @@ class LiftColumns:
 
 
 @dataclass(frozen=True, slots=True)
-class LiftTable:
-    """Lifts (m) at cam angles (rad) as a writer takes them; ``names`` of the lobes, one column of
-    ``lifts`` (stations, lobes) each.
-    """
-
-    cam_angles: Array
-    lifts: Array
-    names: tuple[str, ...]
-    lift_of: str
-    zero: str
-
-
-@dataclass(frozen=True, slots=True)
 class LiftFormat:
-    """A form of lift files. ``recognise(content, name)`` examines the content alone (the name is for
-    messages); ``write`` may be missing.
-    """
+    """A form of lift files. ``recognise(content, name)`` examines the content alone; the name is for messages."""
 
     label: str
     recognise: Callable[[bytes, str], bool]
     read: Callable[[bytes, str], LiftColumns]
-    write: Callable[[LiftTable], bytes] | None = None
 
 
 #: Pattern of a heading without accents -> what the column is; the first that fits.
@@ -161,23 +144,7 @@ def _unit(unit: str) -> str:
     return UNIT_NAMES.get(unit.lower().strip(), "")
 
 
-def write_columns(table: LiftTable) -> bytes:
-    """Comma-separated text that says all it means: cam degrees and mm."""
-    lobes = [f"{_lobe(name)}{table.lift_of} lift [mm]" for name in table.names]
-    lines = [
-        f"# {table.lift_of} lift over the cam angle; zero of the angle: {table.zero}",
-        ",".join(["cam angle [deg]", *lobes]),
-    ]
-    rows = np.column_stack([np.degrees(table.cam_angles), 1e3 * table.lifts])
-    lines += [",".join(f"{value:.6f}" for value in row) for row in rows]
-    return ("\n".join(lines) + "\n").encode()
-
-
-def _lobe(name: str) -> str:
-    return f"{name} " if name in ("intake", "exhaust") else ""
-
-
-COLUMNS_SPEC = LiftFormat("columns of a text", recognise_columns, read_columns, write_columns)
+COLUMNS_SPEC = LiftFormat("columns of a text", recognise_columns, read_columns)
 
 
 def _numbers(content: bytes, name: str) -> Array:
@@ -212,29 +179,7 @@ def read_fractions(content: bytes, name: str) -> LiftColumns:
     return LiftColumns("fractions", table.rows, ("angle", "lift"), ("", ""), said, table.headings)
 
 
-def write_fractions(table: LiftTable) -> bytes:
-    """Fractions of the largest lift over fractions of the event. Raises :class:`InputError` for two
-    lobes.
-    """
-    if table.lifts.shape[1] != 1:
-        raise InputError("fractions of lift hold one lobe; write each lobe to its own file")
-    up = np.flatnonzero(table.lifts[:, 0] > 0)
-    first, last = max(int(up[0]) - 1, 0), min(int(up[-1]) + 1, len(table.lifts) - 1)
-    angles, lifts = (
-        table.cam_angles[first : last + 1],
-        np.clip(table.lifts[first : last + 1, 0], 0.0, None),
-    )
-    lifts = np.concatenate([[0.0], lifts[1:-1], [0.0]])
-    rows = np.column_stack([
-        (angles - angles[0]) / (angles[-1] - angles[0]), lifts / lifts.max()
-    ])  # fmt: skip
-    lines = [f"{place:.6f},{lift:.6f}" for place, lift in rows]
-    return ("\n".join(["fraction of duration,fraction of lift", *lines]) + "\n").encode()
-
-
-FRACTIONS_SPEC = LiftFormat(
-    "fractions of lift", recognise_fractions, read_fractions, write_fractions
-)
+FRACTIONS_SPEC = LiftFormat("fractions of lift", recognise_fractions, read_fractions)
 
 
 TURN, REPEATED = 360, 36
@@ -265,20 +210,7 @@ def read_s96(content: bytes, name: str) -> LiftColumns:
     return LiftColumns("s96", rows, ("angle", "lift"), ("deg", ""), said, table.headings)
 
 
-def write_s96(table: LiftTable) -> bytes:
-    """One lift (mm) a line at whole cam degrees from 0, the first 36 repeated at the end. Raises
-    :class:`InputError` for two lobes.
-    """
-    if table.lifts.shape[1] != 1:
-        raise InputError("the s96 form holds one lobe; write each lobe to its own file")
-    grid = np.radians(np.arange(TURN, dtype=float))
-    angles = np.mod(table.cam_angles, 2 * np.pi)
-    order = np.argsort(angles)
-    lifts = np.interp(grid, angles[order], table.lifts[order, 0], period=2 * np.pi)
-    return ("\n".join(f"{1e3 * lift:.6f}" for lift in (*lifts, *lifts[:REPEATED])) + "\n").encode()
-
-
-S96_SPEC = LiftFormat("s96 of cam analysers", recognise_s96, read_s96, write_s96)
+S96_SPEC = LiftFormat("s96 of cam analysers", recognise_s96, read_s96)
 
 
 def recognise_workbook(content: bytes, name: str) -> bool:
@@ -310,30 +242,4 @@ def read_workbook(content: bytes, name: str) -> LiftColumns:
     ) from fault
 
 
-def write_workbook(table: LiftTable) -> bytes:
-    """One sheet with headings: cam degrees and mm. Raises :class:`InputError` where the extra is
-    missing.
-    """
-    try:
-        import xlsxwriter
-    except ImportError as error:
-        raise InputError(f"writing a workbook needs xlsxwriter; {EXTRA}") from error
-    out = io.BytesIO()
-    with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
-        sheet = book.add_worksheet("lift")
-        sheet.write_row(
-            0,
-            0,
-            [
-                "cam angle [deg]",
-                *(f"{name} {table.lift_of} lift [mm]".strip() for name in table.names),
-            ],
-        )
-        for place, row in enumerate(
-            np.column_stack([np.degrees(table.cam_angles), 1e3 * table.lifts]), start=1
-        ):
-            sheet.write_row(place, 0, [float(value) for value in row])
-    return out.getvalue()
-
-
-WORKBOOK_SPEC = LiftFormat("workbook", recognise_workbook, read_workbook, write_workbook)
+WORKBOOK_SPEC = LiftFormat("workbook", recognise_workbook, read_workbook)
