@@ -1,5 +1,5 @@
-"""Causes of critical speeds, each from one run at the critical speed itself: the speeds of a sweep,
-which are chosen by its user, decide nothing.
+"""Causes of lost control that one run alone does not show: of critical speeds, each from a run at the critical speed
+itself, and whether a loss under surge comes of it. It does not where the train loses contact on springs without surge too.
 """
 
 from __future__ import annotations
@@ -8,23 +8,72 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from valvetrain.integrate.contract import Periodic
 from valvetrain.quantities.loss_cause import least_force_sample, loss_cause
-from valvetrain.quantities.train_events import rigid_cycle
-from valvetrain.runs.prepared import PreparedRun
+from valvetrain.quantities.train_events import LOSSES, rigid_cycle
+from valvetrain.runs.prepared import Plan, PreparedRun, integrate_from, prepare, with_quantities
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Cause, Detail
+from valvetrain.solution.status import Cause, Detail, Event
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.problem import Problem
 
 #: Kinds whose events have a cause; a bounce has none.
 CAUSED = ("contact-loss", "float")
 #: Quantity of the cam order of the largest surge.
 SURGE_ORDER = "surge_amplitude_cam_order"
+#: How far (of its gap) contact is lost on springs without surge where a loss does not come of surge.
+AS_FAR = 0.5
 #: Share of a critical speed beyond it at which a cause is looked for where none shows at the speed itself.
 BEYOND = 0.005
 
 
+def without_false_surge(
+    problem: Problem, ready: PreparedRun, solution: Solution, plan: Plan
+) -> Solution:
+    """The run whose losses of contact and floats come of the train that flexes where surge shows in them, but massless
+    springs, which have none, lose contact half as far.
+    """
+    seeming = (one.details.get("cause") == Cause.SURGE for one in solution.events if one.counts)
+    if not any(seeming):
+        return solution
+    far = _far_without_surge(problem, ready, solution, plan)
+
+    def judged(one: Event) -> Event:
+        kind = "float" if one.kind == "float" else "contact-loss"
+        if one.details.get("cause") != Cause.SURGE or far[kind] < AS_FAR * one.size:
+            return one
+        rest = {name: value for name, value in one.details.items() if name != "spring_force_loss"}
+        return replace(one, details=rest | {"cause": Cause.VIBRATION})
+
+    return replace(solution, events=tuple(map(judged, solution.events)))
+
+
+def _far_without_surge(
+    problem: Problem, ready: PreparedRun, solution: Solution, plan: Plan
+) -> dict[str, float]:
+    """Kind of lost control -> how far (m) the train of a run goes in it on massless springs, whose mass counts by a third;
+    -1 where it does not.
+    """
+    far = dict.fromkeys(CAUSED, -1.0)
+    member = replace(ready.member, model=spring_model("massless"), rubbing=None)
+    plain = prepare(problem, member, {}, problem.record.study)
+    plan = replace(plan, whole=False, keep="ends", implausible=True)
+    until = Periodic(compared=False, probed=False)
+    run, _ = integrate_from(plain, solution.engine_speed, plan, solution.provenance, periodic=until)
+    for one in with_quantities(plain, run, plan, {}).events:
+        if one.counts and one.kind in (*LOSSES, "float"):
+            kind = "float" if one.kind == "float" else "contact-loss"
+            far[kind] = max(far[kind], one.size)
+    return far
+
+
 def with_cause(
-    row: CriticalSpeed, ready: PreparedRun, run: Callable[[float], Solution]
+    row: CriticalSpeed,
+    problem: Problem,
+    ready: PreparedRun,
+    plan: Plan,
+    run: Callable[[float], Solution],
 ) -> CriticalSpeed:
     """The critical speed with its cause. ``run``: the train with channels and events at an engine
     speed (rad/s).
@@ -38,6 +87,10 @@ def with_cause(
         # it is what is left where nothing else shows yet, so a little further on another may
         further = _cause(row, ready, run(min((1 + BEYOND) * row.engine_speed, beyond)))
         found = further if further.get("cause") else found
+    if found.get("cause") == Cause.SURGE:
+        far = _far_without_surge(problem, ready, solution, plan)[row.kind]
+        if far >= AS_FAR * row.limit:
+            found = {"cause": Cause.VIBRATION}
     places = row.places
     opens = (
         least_force_sample(solution, places, ready.window)

@@ -197,7 +197,7 @@ def _search(
         run = integrate_point(one, engine_speed, all_channels, origin)
         return with_quantities(one, run, all_channels, {})
 
-    return tuple(with_cause(row, one, run_there) for row in rows)
+    return tuple(with_cause(row, problem, one, plan, run_there) for row in rows)
 
 
 def _rows(

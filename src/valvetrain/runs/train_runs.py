@@ -16,6 +16,7 @@ from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.quantities.kinematics import rigid_quantities
 from valvetrain.quantities.valve_events import closing_ramp, rigid_events
+from valvetrain.runs.critical_causes import without_false_surge
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -206,7 +207,8 @@ def _train_run(
     provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
     run, orbit = integrate_from(one, engine_speed, plan, provenance, start)
     carried = orbit if orbit is not None and orbit.motion is not None else None
-    return with_quantities(one, run, plan, {}), carried
+    run = without_false_surge(problem, one, with_quantities(one, run, plan, {}), plan)
+    return run, carried
 
 
 def rigid_numbers(
