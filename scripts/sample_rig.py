@@ -169,9 +169,82 @@ def write_mat(path: Path, records: Records) -> None:
     io.savemat(path, held, do_compression=True)
 
 
+def write_hdf5(path: Path, records: Records) -> None:
+    """HDF5 laid out as MAT 7.3 does: rows of one column, a class on each, texts as 16 bit codes."""
+    import h5py
+
+    def coded(text: str) -> Array:
+        return np.array([[ord(letter)] for letter in text], dtype=np.uint16)
+
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, unit, values in [("time", "s", records.times), *columns(records)]:
+            word = name.replace(" ", "_")
+            file.create_dataset(word, data=values[np.newaxis, :], compression="gzip").attrs[
+                "MATLAB_class"
+            ] = np.bytes_("double")
+            if word != "time":
+                file.create_dataset(f"{word}_unit", data=coded(unit)).attrs["MATLAB_class"] = (
+                    np.bytes_("char")
+                )
+        file.create_dataset("description", data=coded("synthetic: computed")).attrs[
+            "MATLAB_class"
+        ] = np.bytes_("char")
+
+
+def write_netcdf(path: Path, records: Records) -> None:
+    """NetCDF-4."""
+    import h5netcdf
+
+    with h5netcdf.File(path, "w") as file:
+        file.attrs["title"] = "synthetic: computed, not measured"
+        file.dimensions = {"time": len(records.times)}
+        for name, unit, values in [("time", "s", records.times), *columns(records)]:
+            made = file.create_variable(name.replace(" ", "_"), ("time",), float)
+            made.attrs["units"] = unit
+            made[...] = values
+
+
+def write_uff(path: Path, records: Records, binary: bool = False) -> None:
+    """Universal file 58, as text or in binary."""
+    import pyuff
+
+    path.unlink(missing_ok=True)
+    file = pyuff.UFF(str(path))
+    for name, unit, values in columns(records):
+        held = pyuff.prepare_58(
+            binary=int(binary),
+            func_type=1,
+            rsp_node=1,
+            rsp_dir=1,
+            ref_node=1,
+            ref_dir=1,
+            data=values,
+            x=records.times,
+            id1=name,
+            id2="synthetic: computed",
+            id3="NONE",
+            id4="NONE",
+            id5="NONE",
+            abscissa_spacing=1,
+            abscissa_inc=1 / records.rig.sampling_rate,
+            abscissa_min=0.0,
+            num_pts=len(values),
+            ord_data_type=4,
+            ordinate_axis_units_lab=unit,
+            abscissa_axis_units_lab="s",
+            abscissa_spec_data_type=17,
+            ordinate_spec_data_type=13,
+            orddenom_spec_data_type=0,
+            z_axis_spec_data_type=0,
+        )
+        file.write_sets(held | {"ordinate_axis_lab": name}, "add")
+
+
 #: Name of the file -> its writer.
 WRITERS: dict[str, Callable[[Path, Records], None]] = {
-    "rig.csv": write_csv, "rig.mf4": write_mdf, "rig.tdms": write_tdms, "rig.mat": write_mat
+    "rig.csv": write_csv, "rig.mf4": write_mdf, "rig.tdms": write_tdms, "rig.mat": write_mat, "rig-v73.mat": write_hdf5,
+    "rig.nc": write_netcdf, "rig.uff": write_uff,
+    "rig-binary.uff": lambda path, records: write_uff(path, records, True),
 }  # fmt: skip
 
 

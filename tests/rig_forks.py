@@ -80,7 +80,9 @@ def outcome(content: bytes, name: str) -> str:
 def main(folder: Path, count: int, seed: int) -> None:
     """Damage and read every file of the folder ``count`` times."""
     import asammdf  # noqa: F401  so that every fork has the libraries already
+    import h5py  # noqa: F401
     import nptdms  # noqa: F401
+    import pyuff  # noqa: F401
     from scipy import io  # noqa: F401
 
     found = {}

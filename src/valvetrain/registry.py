@@ -169,6 +169,8 @@ BUILT_IN["rig_formats"] = {
     "mdf": "valvetrain.rig.logger_formats:MDF4_SPEC",
     "tdms": "valvetrain.rig.logger_formats:TDMS_SPEC",
     "mat": "valvetrain.rig.array_formats:MAT5_SPEC",
+    "hdf5": "valvetrain.rig.array_formats:HDF5_SPEC",
+    "uff58": "valvetrain.rig.logger_formats:UFF58_SPEC",
     "text": "valvetrain.rig.array_formats:TEXT_SPEC",
 }
 BUILT_IN["contacts"] = {

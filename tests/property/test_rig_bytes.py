@@ -129,7 +129,7 @@ def read_any(folder, content):
 
 def test_a_module_beside_the_recording_is_not_run(tmp_path, monkeypatch, files):
     """Whoever reads a recording in a stranger's folder runs nothing that lies there."""
-    for name in ("json", "nptdms", "numpy"):
+    for name in ("h5py", "json", "nptdms", "numpy"):
         (tmp_path / f"{name}.py").write_text(
             f"open(r'{tmp_path / 'ran'}', 'w').close()\nraise SystemExit('ran')\n"
         )
@@ -152,6 +152,37 @@ def test_other_kinds_of_files_are_refused(tmp_path):
     for path, words in ((tmp_path, "no regular file"), (tmp_path / "none", "cannot be read")):
         with pytest.raises(InputError, match=words):
             read_recording(path)
+
+
+def test_links_and_objects_of_hdf5_are_left_alone(tmp_path):
+    import h5py
+
+    secret = tmp_path / "secret.h5"
+    with h5py.File(secret, "w") as file:
+        file["data"] = np.arange(100.0)
+    raw = tmp_path / "secret.bin"
+    raw.write_bytes(np.arange(100.0).tobytes())
+    with h5py.File(tmp_path / "it.h5", "w") as file:
+        file["own"] = np.arange(80.0)
+        file["link"] = h5py.ExternalLink(str(secret), "data")
+        file["soft"] = h5py.SoftLink("/own")
+        file.create_dataset("outside", (100,), "f8", external=[(str(raw), 0, 800)])
+        layout = h5py.VirtualLayout((100,), "f8")
+        layout[:] = h5py.VirtualSource(str(secret), "data", (100,))
+        file.create_virtual_dataset("virtual", layout)
+        file["words"] = np.array([b"a", b"b"] * 40, dtype=object).astype("S1")
+    found = read_recording(tmp_path / "it.h5")
+    assert found.names == ("own",)
+    assert sum("no other file is opened" in note for note in found.notes) == 4
+
+
+def test_an_array_that_claims_more_than_it_holds_is_refused(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "it.h5", "w") as file:
+        file.create_dataset("huge", (10**12,), "f8", chunks=(1000,))
+    with pytest.raises(InputError, match=r"'huge' claims 8e\+12 bytes and holds 0"):
+        read_recording(tmp_path / "it.h5")
 
 
 def test_a_compressed_mat_whose_numbers_are_not_those_of_its_checksum_is_refused(tmp_path):
@@ -211,10 +242,12 @@ def test_a_formula_of_mdf_is_not_evaluated(tmp_path, version):
     assert set(values) == {"linear", "table"} and not list(tmp_path.glob("**/ran"))
 
 
-@pytest.mark.parametrize(("form", "library"), [("mdf", "asammdf"), ("tdms", "nptdms")])
+@pytest.mark.parametrize(
+    ("form", "library"), [("mdf", "asammdf"), ("tdms", "nptdms"), ("uff58", "pyuff")]
+)
 def test_a_library_that_is_not_installed_is_named(form, library, monkeypatch, files, tmp_path):
     monkeypatch.setitem(sys.modules, library, None)
-    name = {"mdf": "rig.mf4", "tdms": "rig.tdms"}[form]
+    name = {"mdf": "rig.mf4", "tdms": "rig.tdms", "uff58": "rig.uff"}[form]
     reader: RigFormat = registry.find("rig_formats", form)
     with pytest.raises(
         InputError, match=r"install the extra 'measure' \(pip install 'valvetrain\[measure\]'\)"
@@ -242,7 +275,7 @@ def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
 
 
 def test_every_form_says_the_same(files):
-    """One recording in four clothes: the same channels, units and cycles."""
+    """One recording in eight clothes: the same channels, units and cycles."""
     true = small()
     for name in WRITERS:
         path = files / name
@@ -299,7 +332,7 @@ def test_times_of_mdf_by_formula_are_not_evaluated(tmp_path, monkeypatch, versio
 
 
 def test_a_file_beyond_all_bounds_is_not_opened(tmp_path):
-    for name, head in (("it.tdms", b"TDSm"), ("it.txt", b"1 2\n")):
+    for name, head in (("it.tdms", b"TDSm"), ("it.h5", b"\x89HDF\r\n\x1a\n"), ("it.txt", b"1 2\n")):
         with (tmp_path / name).open("wb") as stream:
             stream.write(head)
             stream.truncate(5_000_000_000)  # a hole, no bytes

@@ -118,8 +118,15 @@ def mat(path):
     )
 
 
-def test_a_recording_that_claims_more_than_it_holds_is_refused(tmp_path):
-    mat(tmp_path / "recording")
+def hdf5(path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w") as file:
+        file.create_dataset("force", (1_000_000_000,), "f8", chunks=(1000,))
+
+
+@pytest.mark.parametrize("write", [mat, hdf5])
+def test_a_recording_that_claims_more_than_it_holds_is_refused(write, tmp_path):
+    write(tmp_path / "recording")
     with pytest.raises(InputError, match=r"damaged|claims more"):
         read_recording(tmp_path / "recording")
 

@@ -1,4 +1,4 @@
-"""Reads recordings from files of named arrays: MAT 5 to 7 and text of columns.
+"""Reads recordings from files of named arrays: MAT, HDF5 (MAT 7.3, NetCDF-4) and text of columns.
 
 Which array holds the times of which is found by name and length.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +143,142 @@ def read_mat5(path: Path, file_name: str) -> Recording:
 
 
 MAT5_SPEC = RigFormat("MAT", recognise_mat5, read_mat5)
+
+
+# HDF5, MAT 7.3 and NetCDF-4
+
+#: How an HDF5 file begins.
+_HDF5_MARK = b"\x89HDF\r\n\x1a\n"
+#: Groups within groups, and members of all groups, at most.
+_MAX_DEPTH, _MAX_MEMBERS = 6, 5000
+#: Bytes up to which an attribute is read, and an array may claim whatever it stores.
+_SMALL = 65_536
+#: Attributes by which files give a rate (1/s) or a step (s).
+_RATES, _STEPS = (
+    ("sampling_rate", "sample_rate", "fs", "rate"),
+    ("dt", "wf_increment", "sampling_interval"),
+)
+
+
+def recognise_hdf5(head: bytes, file_name: str) -> bool:
+    """Whether an HDF5 file begins here, or behind the 512 bytes that MAT 7.3 puts before it."""
+    return head.startswith(_HDF5_MARK) or head[512:520] == _HDF5_MARK
+
+
+def read_hdf5(path: Path, file_name: str) -> Recording:
+    """Every array of numbers in the file; units from the attribute ``units`` or ``unit``."""
+    import h5py
+
+    walk = _Hdf5Walk(Budget(file_name), path.stat().st_size)
+    with h5py.File(path, "r", locking=False) as file:
+        descriptions = [
+            one_line(value)
+            for value in _attributes(file).values()
+            if isinstance(value, (str, bytes))
+        ]
+        walk.enter(h5py, file, "", 0)
+    channels, scalars = channels_of(walk.arrays, walk.units)
+    channels = tuple(
+        channel
+        if channel.times is not None
+        else replace(channel, step=walk.steps.get(channel.name, 0.0))
+        for channel in channels
+    )
+    synthetic = says_synthetic(*descriptions, *walk.texts)
+    return Recording("HDF5", channels, scalars, synthetic, tuple(walk.notes))
+
+
+class _Hdf5Walk:
+    """Arrays, units, steps, texts and notes collected on a walk through the groups of a file."""
+
+    def __init__(self, budget: Budget, size: int) -> None:
+        self.budget, self.size, self.members = budget, size, 0
+        self.arrays: dict[str, Any] = {}
+        self.units: dict[str, str] = {}
+        self.steps: dict[str, float] = {}
+        self.notes: list[str] = []
+        self.texts: list[str] = []
+
+    def enter(self, h5py: Any, group: Any, path: str, depth: int) -> None:
+        """Take the arrays of a group and of those within; only hard links, so nothing outside the
+        file.
+        """
+        for key in group:
+            self.members += 1
+            if self.members > _MAX_MEMBERS:
+                raise InputError(
+                    f"'{self.budget.file_name[:80]}' holds more than {_MAX_MEMBERS} groups and arrays; store the needed ones alone"
+                )
+            name = f"{path}{one_line(key)}"
+            if not isinstance(group.get(key, getlink=True), h5py.HardLink):
+                self.notes.append(
+                    f"'{name}' is left out: it is a link, and no other file is opened"
+                )
+                continue
+            member = group[key]
+            if isinstance(member, h5py.Group) and depth < _MAX_DEPTH and key != "#refs#":
+                self.enter(h5py, member, f"{name}/", depth + 1)
+            elif isinstance(member, h5py.Dataset):
+                self.take(member, name)
+
+    def take(self, dataset: Any, name: str) -> None:
+        """Take an array of numbers, or the text of a unit."""
+        if dataset.is_virtual or dataset.external:
+            self.notes.append(
+                f"'{name}' is left out: it is in another file, and no other file is opened"
+            )
+            return
+        attributes = _attributes(dataset)
+        count = int(np.prod(dataset.shape or (0,), dtype=object))
+        numeric = dataset.dtype.kind in "fiu"
+        if not numeric or attributes.get("MATLAB_object_decode") is not None or not count:
+            if dataset.dtype.kind not in "fiuSU":
+                self.notes.append(f"'{name}' is left out: it is no array of numbers")
+            return
+        stored = int(dataset.id.get_storage_size())
+        if stored > self.size or dataset.nbytes > max(_SMALL, stored * _MAX_EXPANSION):
+            raise InputError(
+                f"'{self.budget.file_name[:80]}' is damaged: '{name}' claims {dataset.nbytes:.3g} bytes and holds {stored}"
+            )
+        if one_line(attributes.get("MATLAB_class", "")) == "char":
+            if count <= _MAX_TEXT:
+                text = "".join(chr(int(code)) for code in np.ravel(dataset[()]))
+                if name.endswith("_unit") and count <= 40:
+                    self.units[name.removesuffix("_unit")] = text
+                else:
+                    self.texts.append(text)
+            return
+        self.budget.take(count)
+        self.arrays[name] = np.asarray(dataset[()])
+        unit = next((attributes[key] for key in ("units", "unit", "Unit") if key in attributes), "")
+        self.units.setdefault(name, one_line(unit))
+        rate, step = (_first_number(attributes, keys) for keys in (_RATES, _STEPS))
+        self.steps[name] = step if step > 0 else 1 / rate if rate > 0 else 0.0
+
+
+def _attributes(member: Any) -> dict[str, Any]:
+    """Attributes that can be read; those of kinds the library does not know are left out."""
+    attributes = {}
+    for key in list(member.attrs)[:100]:
+        try:
+            if member.attrs.get_id(key).get_storage_size() < _SMALL:
+                attributes[key] = member.attrs[key]
+        except (OSError, TypeError, ValueError, RuntimeError, KeyError):
+            continue
+    return attributes
+
+
+def _first_number(attributes: Mapping[str, Any], keys: Iterable[str]) -> float:
+    """The number of the first of the keys that is there; 0 where it is no finite one."""
+    value = next((attributes[key] for key in keys if key in attributes), 0.0)
+    try:
+        number = float(np.ravel(value)[0])
+    except (TypeError, ValueError, IndexError):
+        return 0.0
+    return number if np.isfinite(number) else 0.0
+
+
+HDF5_SPEC = RigFormat("HDF5", recognise_hdf5, read_hdf5)
 
 
 # text of columns

@@ -62,7 +62,9 @@ def register(app: typer.Typer) -> None:
 def rig(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Recording: text, MDF, TDMS or MAT; read by content."),
+        typer.Argument(
+            metavar="FILE", help="Recording: text, MDF, TDMS, MAT, HDF5 or UFF58; read by content."
+        ),
     ],
     case: Annotated[
         str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")

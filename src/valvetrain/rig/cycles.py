@@ -53,8 +53,8 @@ def rig_cycles(
 
     Parameters
     ----------
-    file : recording: text of columns, MDF, TDMS or MAT (5 to 7); the content decides, not
-        the name
+    file : recording: text of columns, MDF, TDMS, MAT, HDF5 or universal file 58; the content
+        decides, not the name
     answers : what the file does not say itself, such as
         ``RigAnswers(angle_of="crank", teeth=60, missing=2)``
     case : Case, name of a library case, or path of a case file, whose valve lift gives the cam

@@ -1,11 +1,13 @@
-"""Reads recordings of data loggers: MDF 4 (and 3) and TDMS.
+"""Reads recordings of data loggers: MDF 4 (and 3), TDMS and universal files 58.
 
 Conversions of MDF by numbers are applied; formulas are not evaluated.
 """
 
 from __future__ import annotations
 
+import re
 import tempfile
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -163,3 +165,91 @@ def _tdms_channel(channel: Any, name: str) -> RigChannel:
 
 
 TDMS_SPEC = RigFormat("TDMS", recognise_tdms, read_tdms)
+
+
+#: Kinds of functions that are records over time: general, time response.
+_OVER_TIME = (0, 1)
+
+
+def recognise_uff58(head: bytes, file_name: str) -> bool:
+    """Whether the first data set begins as universal files do: a line of -1, then the number of a
+    data set.
+    """
+    first = rb"\s*-1\s*\r?\n\s*(?:58b?|151|164|15|18|55|82|1858|24\d\d)\b"
+    return re.match(first, head) is not None
+
+
+def read_uff58(path: Path, file_name: str) -> Recording:
+    """Every function of time of the file."""
+    try:
+        import pyuff
+    except ImportError as error:
+        raise missing_library(file_name, "a universal file (UFF58)", "pyuff") from error
+    budget, notes = Budget(file_name), []
+    channels: list[RigChannel] = []
+    descriptions: list[str] = []
+    size = path.stat().st_size
+    with path.open("rb") as stream:
+        stream.seek(max(0, size - 200))
+        if stream.read().split()[-1:] != [b"-1"]:
+            raise InputError(
+                f"'{file_name[:80]}' was cut short: its last data set has no end; export it again"
+            )
+    with warnings.catch_warnings(action="ignore"):
+        file = pyuff.UFF(str(path))
+        for index, kind in enumerate(file.get_set_types()):
+            if int(kind) != 58:
+                continue
+            count = int(file.read_sets(index, header_only=True).get("num_pts", 0))
+            if not 0 <= count <= size:
+                raise InputError(
+                    f"'{file_name[:80]}' is damaged: data set {index + 1} claims more samples than it has bytes"
+                )
+            content = file.read_sets(index)
+            descriptions += [str(content.get(f"id{line}", "")) for line in range(1, 6)]
+            if content.get("data") is not None and len(content["data"]) != count:
+                raise InputError(
+                    f"'{file_name[:80]}' was cut short: data set {index + 1} holds fewer samples than it claims"
+                )
+            channel = _uff_channel(content, index, budget)
+            if channel is None:
+                notes.append(
+                    f"data set {index + 1} is left out: it is no row of real numbers over time"
+                )
+            else:
+                channels.append(channel)
+    return Recording(
+        "universal file 58",
+        tuple(channels),
+        synthetic=says_synthetic(*descriptions),
+        notes=tuple(notes),
+    )
+
+
+def _uff_channel(content: dict[str, Any], index: int, budget: Budget) -> RigChannel | None:
+    values = np.asarray(content["data"])
+    over_time = int(content.get("func_type", 0)) in _OVER_TIME
+    if not over_time or values.dtype.kind != "f" or values.ndim != 1:
+        return None
+    budget.take(len(values))
+    name, unit = (
+        "" if label.upper() == "NONE" else label
+        for label in (
+            one_line(content.get("ordinate_axis_lab", "")),
+            one_line(content.get("ordinate_axis_units_lab", "")),
+        )
+    )
+    times = np.asarray(content["x"], dtype=float)
+    even = int(content.get("abscissa_spacing", 1)) == 1
+    step = float(content.get("abscissa_inc", 0.0))
+    return RigChannel(
+        name or one_line(content.get("id1", "")) or f"data set {index + 1}",
+        unit,
+        values.astype(float),
+        float(content.get("abscissa_min", 0.0)),
+        step if even and step > 0 else 0.0,
+        None if even or len(times) != len(values) else times,
+    )
+
+
+UFF58_SPEC = RigFormat("universal file 58", recognise_uff58, read_uff58)
