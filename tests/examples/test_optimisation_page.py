@@ -38,8 +38,8 @@ def case_is_measured(text: FileText[OptimumModel]) -> None:
     plan = read_optimum(text)
     assert search_cost(plan, 2).seconds < 600  # within the usual bound
     case = case_of_plan(plan)
-    with Engine(list(plan.plans.values()), 1, None) as engine:
-        (measured,) = measure_designs(engine, plan.plans, [case], plan.measures)
+    with Engine([plan.evaluation], 1, None) as engine:
+        (measured,) = measure_designs(engine, plan.evaluation, [case], plan.measures, plan.rest_model)
     assert (
         not measured.failure
         and set(measured.values) == set(plan.measures)

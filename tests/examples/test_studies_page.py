@@ -12,6 +12,7 @@ import pytest
 from valvetrain import registry
 from valvetrain.explore.files import FileText, VaryModel
 from valvetrain.explore.requests import Study
+from valvetrain.explore.outputs import Task
 from valvetrain.explore.study import StudyModel, read_plan
 
 ROOT = Path(__file__).parents[2]
@@ -22,7 +23,7 @@ BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 def first_point_runs(plan) -> None:
     draws = plan.sampler.draw(plan.varied, plan.options)
-    outcome = plan.experiment.evaluate(draws[0], plan.runs[0])
+    outcome = plan.experiment.evaluate(draws[0], Task(plan.runs[0], plan.experiment.outputs.request))
     assert outcome.status.completed, outcome.status.sentence()
     quantities = plan.experiment.outputs.quantities  # limit speeds take many runs
     assert set(outcome.values) == set(quantities) or not quantities

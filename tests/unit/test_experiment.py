@@ -252,9 +252,8 @@ def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications(
     assert [(one.distribution, one.label) for one in old.varied] == [
         (one.distribution, one.label) for one in new.varied
     ]
-    assert old.experiment.evaluate([4e-3], old.runs[0]) == new.experiment.evaluate(
-        [4e-3], new.runs[0]
-    )
+    first, second = (one.experiment.evaluate([4e-3], one.experiment.tasks[0]) for one in (old, new))
+    assert first == second
     first, second = (
         identification_plan('case = "job-c"\n' + tables + MEASURED, "file", Path())
         for tables in (OLD, NEW)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore import limit_speed
 from valvetrain.explore.engine import Evaluation
-from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, LimitEvaluation, limit_of
+from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, limit_of
 from valvetrain.explore.measure import REST, RUNS, Measure, measure_designs
 from valvetrain.explore.outputs import LimitSearch, Outcome, Outputs, Run, limit_search
 from valvetrain.explore.space import Space
@@ -15,40 +14,36 @@ from valvetrain.solution.status import COMPLETED, Status
 
 AT_REST = (Run(None, "massless"),)
 RUNNING = tuple(Run(speed, "massless") for speed in (400.0, 500.0))
+FUNCTION = Evaluation(None, Space({}), Outputs("number", function=print))
 
 
 class Recording:
     """An engine that records the runs of each batch; number ``number_k`` of a run is 10 k and its speed."""
 
-    def __init__(self, failing: tuple[str, ...] = ()) -> None:
+    def __init__(self, failing: bool = False) -> None:
         self.batches, self.failing = [], failing
 
     def outcomes(self, jobs):
-        self.batches.append([(key, run) for key, _, run in jobs])
+        self.batches.append([task.run for _, _, task in jobs])
         status = Status("diverged", "did not end")
         return [
-            Outcome(status) if key in self.failing
-            else Outcome(values={f"number_{place}": 10.0 * place + (run[0] or 0.0) for place in range(3)})
-            for key, _, run in jobs
+            Outcome(status) if self.failing and task.run in AT_REST
+            else Outcome(values={name: 10.0 * float(name[-1]) + (task.run[0] or 0.0) for name in task.request.outputs})
+            for _, _, task in jobs
         ]  # fmt: skip
 
 
 @pytest.mark.parametrize("sources", [(REST,), (RUNS,), (RUNS, REST), (RUNS, RUNS, REST)])
-@pytest.mark.parametrize("failing", [(), (REST,)])
-def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(
-    sources, failing, monkeypatch
-):
+@pytest.mark.parametrize("failing", [False, True])
+def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(sources, failing):
     """A design that fails at rest is not run."""
-    monkeypatch.setattr("valvetrain.explore.measure._has_pair", lambda evaluation: False)
     runs = {REST: AT_REST, RUNS: RUNNING}
     measures = [Measure(one, f"number_{k}", runs[one], "a number") for k, one in enumerate(sources)]
     engine = Recording(failing)
-    (found,) = measure_designs(engine, {REST: REST, RUNS: RUNS}, [()], measures)
-    fails = REST in failing and REST in sources
+    (found,) = measure_designs(engine, FUNCTION, [()], measures)
+    fails = failing and REST in sources
     stages = [one for one in (REST, RUNS) if one in sources and not (fails and one == RUNS)]
-    assert [one for one in engine.batches if one] == [
-        [(one, run) for run in runs[one]] for one in stages
-    ]
+    assert [one for one in engine.batches if one] == [[*runs[one]] for one in stages]
     assert found.code == ("diverged" if fails else "completed") and bool(found.failure) == fails
     if not fails:
         due = [10.0 * k + (0.0 if one == REST else 500.0) for k, one in enumerate(sources)]
@@ -76,10 +71,11 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(
         return Outcome(ended, {"peak_spring_force": 1.0})
 
     monkeypatch.setattr("valvetrain.explore.engine.evaluate", point)
-    monkeypatch.setattr(limit_speed, "evaluate", point)
     search = LimitSearch("peak_spring_force", True, 5.0, (100.0, 200.0, 300.0), 25.0, share)
-    bare = Evaluation("job-c", Space({}), Outputs("peak_spring_force"), AT_REST)
-    outcome = LimitEvaluation(bare, search).evaluate((), AT_REST[0])
+    outputs = Outputs(spring_models="massless", limit_speeds=[search])
+    evaluation = Evaluation("job-c", Space({}), outputs)
+    (task,) = evaluation.tasks
+    outcome = evaluation.evaluate((), task)
     assert outcome.status.completed == (due is not None)
     if due is not None:
         found = limit_of(outcome)

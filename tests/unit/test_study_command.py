@@ -18,6 +18,7 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
 from valvetrain.explore.files import FileText
 from valvetrain.explore.store import FILE, Store
+from valvetrain.explore.outputs import Run, Task
 from valvetrain.explore.study import StudyModel, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
@@ -188,7 +189,8 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
     run = (600.0, "multi-mass", "")
 
     def digest(text, values=(9e-3, 7e-3), run=run):
-        return read_plan(FileText(text, "study", Path(), StudyModel)).experiment.digest(values, run)
+        experiment = _plan(text).experiment
+        return experiment.digest(values, Task(Run(*run), experiment.outputs.request))
 
     first = digest(base)
     others = [

@@ -99,8 +99,12 @@ def test_a_model_that_lacks_the_quantity_is_refused_before_the_first_point(folde
 
     monkeypatch.setattr(Engine, "compute", compute)
     text = f'spring_models = "massless"\noutputs = "minimum_spring_margin_ratio"\n{PRELOAD}'
-    with pytest.raises(vt.InputError, match=r"coil contacts .*massless"):
+    with pytest.raises(vt.InputError, match=r"limit_speed: the coil contacts .*by card alone"):
         study(folder, text + LIMIT.format("clash", "5000, 6000 rpm"))
+    assert not computed
+    pair = '[[limit_speed]]\nquantity = "outer_peak_spring_force"\nat_most = "1 kN"\nengine_speeds = "5000, 6000 rpm"\n'
+    with pytest.raises(vt.InputError, match="outer .*by massless"):
+        study(folder, text + pair)
     assert len(computed) == 1
 
 

@@ -28,7 +28,7 @@ def case_of(tmp_path, text: str) -> vt.Case:
 def refuse(case: vt.Case, name: str, models, key: str) -> None:
     space = vt.Space({key: vt.Uniform(1.0, 2.0)})
     outputs = vt.Outputs(name, engine_speeds=(SPEED,), spring_models=models)
-    refuse_outputs(Evaluation(case, space, outputs))
+    refuse_outputs(case, Evaluation(case, space, outputs).tasks)
 
 
 @pytest.mark.parametrize("model", ["massless", "modal-varied", "multi-mass", "finite-element"])

@@ -9,61 +9,61 @@ import itertools
 import json
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case
 from valvetrain.explore.evaluate import Point, bars_of, evaluate
-from valvetrain.explore.outputs import Outcome, Outputs, Run
+from valvetrain.explore.limit_speed import limit_outcome
+from valvetrain.explore.outputs import Outcome, Outputs, Run, Task
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.parameters.case import Case, content
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.own_parts import part_digest
+from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
 from valvetrain.solution.uncertainty import Uncertainty
 
-Array = NDArray[np.float64]
 #: Jobs that are submitted at a time, which bounds memory and the wait for any of them.
 JOBS = 512
-#: Values (SI) of a point and the run of it that is computed.
+#: Values (SI) of a point and the task that is computed of it.
 Place = tuple[tuple[float, ...], Any]
 #: Errors of a function of one's own that make its point a refused one; others end the experiment.
 _OF_FUNCTION = (InputError, ArithmeticError, ValueError)
 
 
 class Computation(ABC):
-    """What an engine computes at points: of every point each of its ``runs``."""
+    """What an engine computes at points: of every point each of its ``tasks``."""
 
     @property
-    def runs(self) -> tuple[Any, ...]:
-        """The runs of a point."""
+    def tasks(self) -> tuple[Any, ...]:
+        """What is computed of a point."""
         return ((),)
 
     @property
     @abstractmethod
     def subject(self) -> Any:
-        """All that an outcome depends on besides values and run, as JSON takes it."""
+        """All that an outcome depends on besides values and task, as JSON takes it."""
 
     @abstractmethod
-    def evaluate(self, values: Iterable[float], run: Any) -> Outcome:
-        """The outcome of one run of a point, which depends on no other point."""
+    def evaluate(self, values: Iterable[float], task: Any) -> Outcome:
+        """The outcome of one task at a point, which depends on no other point."""
 
     def outcomes(self, places: Sequence[Place]) -> list[Outcome]:
         """The outcomes of a few places, in a worker."""
-        return [self.evaluate(values, run) for values, run in places]
+        return [self.evaluate(values, task) for values, task in places]
 
-    def key_of_output(self, name: str, run: Any) -> str:
+    def key_of_output(self, name: str, task: Any) -> str:
         """The key of an output for measurements."""
         return name
 
@@ -72,12 +72,11 @@ class Computation(ABC):
         text = json.dumps(self.subject, sort_keys=True, default=repr)
         return hashlib.blake2b(text.encode(), digest_size=16).digest()
 
-    def digest(self, values: Iterable[float], run: Any) -> bytes:
+    def digest(self, values: Iterable[float], task: Any) -> bytes:
         """16 bytes that change with anything that can change the numbers of a point, to the last
         bit of a value.
         """
-        exact = [float(one).hex() if isinstance(one, (int, float)) else one for one in run]
-        text = json.dumps([[float(value).hex() for value in values], exact])
+        text = repr((*map(float, values), task))
         return hashlib.blake2b(self._base + text.encode(), digest_size=16).digest()
 
 
@@ -96,20 +95,13 @@ Job = tuple[int, tuple[float, ...], Any]
 
 @dataclass(frozen=True, eq=False, init=False)
 class Evaluation(Computation):
-    """``outputs`` of a ``case``, or of their function where it is None, at every point of a space by all ``runs``."""
+    """``outputs`` of a ``case``, or of their function where it is None, at every point of a space."""
 
     case: Case | None
     space: Space
     outputs: Outputs
-    runs: tuple[Run, ...] = ()
 
-    def __init__(
-        self,
-        case: Case | str | Path | None,
-        space: Space,
-        outputs: Outputs,
-        runs: Sequence[Run] = (),
-    ) -> None:
+    def __init__(self, case: Case | str | Path | None, space: Space, outputs: Outputs) -> None:
         if case is not None and not isinstance(case, Case):
             case = load_case(case)
         if (case is None) == (outputs.function is None):
@@ -123,45 +115,67 @@ class Evaluation(Computation):
                 if one.key.startswith(("operation.engine_speeds", "operation.cam_speeds")):
                     raise InputError(f"is no speed of these runs; vary {ENGINE_SPEED}", one.key)
             space = with_case_units(case, space)
-        speed_is_varied = any(one.key == ENGINE_SPEED for one in space)
-        made = (case, space, outputs, tuple(runs) or outputs.runs(case, speed_is_varied))
-        for name, value in zip(Evaluation.__dataclass_fields__, made, strict=True):
+        for name, value in zip(Evaluation.__dataclass_fields__, (case, space, outputs), strict=True):
             object.__setattr__(self, name, value)
 
-    def point(self, values: Iterable[float], run: Run) -> Point:
-        """One point of a case: values (SI, in the order of the space) at one of the runs; without values the case as it is."""
+    @property
+    def name(self) -> str:
+        """Name of the case, or of the function."""
+        function = self.outputs.function
+        return getattr(function, "__name__", "function") if self.case is None else self.case.name
+
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
+        """Every engine speed by every model with every spring set. Raises :class:`InputError` where one is missing."""
+        return self.outputs.runs(self.case, any(one.key == ENGINE_SPEED for one in self.space))
+
+    @cached_property
+    def tasks(self) -> tuple[Task, ...]:
+        """The quantities of every run, then the limit speeds by every model with every set."""
+        outputs = self.outputs
+        kinds = dict.fromkeys(run._replace(engine_speed=None) for run in self.runs)
+        return (
+            *(Task(run, outputs.request) for run in self.runs if outputs.quantities),
+            *(Task(run, PointRequest((one.quantity,)), one) for one in outputs.limit_speeds for run in kinds),
+        )  # fmt: skip
+
+    def point(self, values: Iterable[float], run: Run, request: PointRequest) -> Point:
+        """One point of a case: values (SI, in the order of the space) in a run; without values the case as it is."""
         assert self.case is not None
         numbers = tuple(map(float, values))
-        pairs = tuple(zip(self.space, numbers, strict=bool(numbers)))
-        return Point(self.case, pairs, Run(*run), self.outputs.request)
+        return Point(self.case, tuple(zip(self.space, numbers, strict=bool(numbers))), run, request)
 
-    def evaluate(self, values: Iterable[float], run: Run) -> Outcome:
+    def evaluate(self, values: Iterable[float], task: Task) -> Outcome:
         """The outcome of one point, bit-identical to a run of the case with these values."""
-        function = self.outputs.function
+        function, (run, request, limit) = self.outputs.function, task
+        if limit is not None:
+            at, of_case = (
+                lambda engine_speed, point=point: evaluate(
+                    self.point(point, run._replace(engine_speed=engine_speed), request)
+                )
+                for point in (tuple(values), ())
+            )
+            return limit_outcome(limit, at, of_case)
         if function is None:
-            return evaluate(self.point(values, run))
+            return evaluate(self.point(values, run, request))
         given = dict(zip(self.space.names, map(float, values), strict=True))
         try:
             numbers = function(**given)
         except _OF_FUNCTION as error:
             return Outcome(Status("refused", str(error) or type(error).__name__))
-        names = self.outputs.quantities
+        names = request.outputs
         if not isinstance(numbers, Mapping):
             numbers = dict(zip(names, np.atleast_1d(numbers).tolist(), strict=True))
         return Outcome(values={name: float(numbers[name]) for name in names if name in numbers})
 
     def error_bars(self, values: Iterable[float], run: Run) -> tuple[Uncertainty, ...]:
         """Error bars of the numbers of a point; none of a function."""
-        return () if self.case is None else bars_of(self.point(values, run))
-
-    def rows(self, draws: Array) -> Iterator[tuple[Array, Run]]:
-        """Every draw at every run, in the order of the rows of the result."""
-        yield from itertools.product(draws, self.runs)
+        return () if self.case is None else bars_of(self.point(values, run, self.outputs.request))
 
     @property
     def subject(self) -> Any:
-        """Case (without titles and notes, to the last bit) or function, keys, outputs and versions."""
-        case, request = self.case, self.outputs.request
+        """Case (without titles and notes, to the last bit) or function, keys and versions."""
+        case = self.case
         if case is None:
             text = part_digest(self.outputs.function)
         else:
@@ -169,15 +183,15 @@ class Evaluation(Computation):
                 case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,
             )).decode()  # fmt: skip
         keys = [[one.key, one.operation, one.si_unit] for one in self.space]
-        return [text, keys, list(request.outputs), request.rest_model, versions_digest()]
+        return [text, keys, versions_digest()]
 
-    def key_of_output(self, name: str, run: Run) -> str:
+    def key_of_output(self, name: str, task: Task) -> str:
         """The key of an output for measurements: its name, behind engine speed, model and set where
         there is more than one run.
         """
         if len(self.runs) == 1:
             return name
-        return ": ".join(filter(None, (run.label, name)))
+        return ": ".join(filter(None, (task.run.label, name)))
 
 
 def with_case_units(case: Case, space: Space) -> Space:
@@ -247,12 +261,12 @@ class Engine:
         """Compute the points that the store lacks."""
         indices = {id(one): index for index, one in enumerate(self.computations)}
         waiting: dict[bytes, Job] = {}
-        for computation, values, run in jobs:
-            key = computation.digest(values, run)
+        for computation, values, task in jobs:
+            key = computation.digest(values, task)
             if key in self.store:
                 self.read += 1
             else:
-                waiting.setdefault(key, (indices[id(computation)], values, run))
+                waiting.setdefault(key, (indices[id(computation)], values, task))
             if len(waiting) >= JOBS * self.together:
                 self._submit(waiting)
                 waiting = {}
@@ -261,7 +275,7 @@ class Engine:
     def outcomes(self, jobs: Sequence[PointJob]) -> list[Outcome]:
         """The outcomes of a batch of points, in order."""
         self.compute(jobs)
-        return [self.store.outcome(one.digest(values, run)) for one, values, run in jobs]
+        return [self.store.outcome(one.digest(values, task)) for one, values, task in jobs]
 
     def _submit(self, waiting: Mapping[bytes, Job]) -> None:
         if not waiting:
@@ -287,5 +301,5 @@ def evaluate_jobs(computations: Sequence[Computation], jobs: Sequence[Job]) -> l
     return [
         outcome
         for index, group in itertools.groupby(jobs, key=lambda job: job[0])
-        for outcome in computations[index].outcomes([(values, run) for _, values, run in group])
+        for outcome in computations[index].outcomes([(values, task) for _, values, task in group])
     ]

@@ -46,9 +46,9 @@ class FunctionPoints(Computation):
     function: Evaluate
     subject: Any = ""
 
-    def evaluate(self, values: Iterable[float], run: Any) -> Outcome:
+    def evaluate(self, values: Iterable[float], task: Any) -> Outcome:
         """The outcome of one point."""
-        return self.outcomes([(tuple(values), run)])[0]
+        return self.outcomes([(tuple(values), task)])[0]
 
     def outcomes(self, places: Sequence[Place]) -> list[Outcome]:
         """The outcomes of a batch."""
@@ -73,27 +73,27 @@ def identify_points(
 
 
 def numbers_by(engine: Engine, computation: Computation) -> Evaluate:
-    """What gives the numbers of points by the key of each output: those of all runs, None where one did not complete.
+    """What gives the numbers of points by the key of each output: those of all tasks, None where one did not complete.
 
     It raises :class:`RunFailedError` where a point is lost with its worker.
     """
-    runs = computation.runs
+    tasks = computation.tasks
 
     def numbers_of_point(outcomes: Sequence[Outcome]) -> Numbers:
         if not all(one.status.completed for one in outcomes):
             return None
         return {
-            computation.key_of_output(name, run): value
-            for run, one in zip(runs, outcomes, strict=True)
+            computation.key_of_output(name, task): value
+            for task, one in zip(tasks, outcomes, strict=True)
             for name, value in one.values.items()
         }
 
     def evaluate(points: Array) -> list[Numbers]:
         rows = [tuple(row) for row in np.asarray(points, dtype=float).tolist()]
-        outcomes = engine.outcomes([(computation, row, run) for row in rows for run in runs])
+        outcomes = engine.outcomes([(computation, row, task) for row in rows for task in tasks])
         if any(one.status.code == "worker-lost" for one in outcomes):
             raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
-        count = len(runs)
+        count = len(tasks)
         return [numbers_of_point(outcomes[count * k : count * (k + 1)]) for k in range(len(rows))]
 
     return evaluate
@@ -147,7 +147,7 @@ def identify_sought(
         posterior = Posterior(sought.unknowns, sought.data, numbers_by(engine, fitted))
         seconds = _seconds(fitted, possible_point(fitted, posterior, search.seed))
         points = search.evaluations_of(len(sought.unknowns))
-        left = max(points - engine.store.before // len(fitted.runs), 0)
+        left = max(points - engine.store.before // len(fitted.tasks), 0)
         total = left * seconds
         if compared is not None:
             total += (search.draws + 2) * _seconds(compared, posterior.middle)
@@ -226,7 +226,7 @@ def possible_point(computation: Computation, posterior: Posterior, seed: int) ->
         lacking = lacking or f"no point gives '{missing[:80]}'; {nearest(missing, given)}"
     if lacking:
         raise InputError(lacking, "measurements")
-    outcomes = (computation.evaluate(posterior.middle.tolist(), run) for run in computation.runs)
+    outcomes = (computation.evaluate(posterior.middle.tolist(), task) for task in computation.tasks)
     why = next(
         (one.status.message for one in outcomes if not one.status.completed), "a number is missing"
     )
@@ -240,7 +240,7 @@ def _seconds(computation: Computation, values: Array) -> float:
     times = []
     for _ in range(ROUNDS):
         begun = time.perf_counter()
-        for run in computation.runs:
-            computation.evaluate(values.tolist(), run)
+        for task in computation.tasks:
+            computation.evaluate(values.tolist(), task)
         times.append(time.perf_counter() - begun)
     return min(times)

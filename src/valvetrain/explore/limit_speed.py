@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
 
 import numpy as np
 
-from valvetrain.explore.engine import Evaluation
-from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.outputs import LimitSearch, Outcome, Run
+from valvetrain.explore.outputs import LimitSearch, Outcome
 from valvetrain.runs.critical_scan import parabola_depth
 from valvetrain.solution.critical import RPM
 
@@ -114,61 +111,33 @@ def _nearing(engine_speeds: list[float], excess: list[float], resolution: float)
     return []
 
 
-class LimitEvaluation(Evaluation):
-    """A limit speed of every point of a space: the search of a point is one job of one worker.
+def limit_outcome(
+    limit: LimitSearch, at: Callable[[float], Outcome], of_case: Callable[[float], Outcome]
+) -> Outcome:
+    """The limit speed of a point by its name, and the fields of :class:`LimitFound`; or why there is none.
 
-    A run with an engine speed gives the quantity there; one without it the limit speed by its name,
-    and the fields of :class:`LimitFound`. A bound that is a share of the case is that of the case by the
-    same model.
+    ``at``, ``of_case``: the outcome of the point, and of the case itself, at an engine speed (rad/s). A run that fails above the
+    lowest speed leaves the bound.
     """
-
-    limit: LimitSearch
-
-    def __init__(self, evaluation: Evaluation, limit: LimitSearch) -> None:
-        outputs = evaluation.outputs.of(limit.quantity)
-        super().__init__(evaluation.case, evaluation.space, outputs, evaluation.runs)
-        object.__setattr__(self, "limit", limit)
-
-    def evaluate(self, values: Iterable[float], run: Run) -> Outcome:
-        """The limit speed of a point; a run that fails above the lowest speed leaves the bound."""
-        if run[0] is not None:
-            return super().evaluate(values, run)
-        point, limit, (lowest, *_) = tuple(values), self.limit, self.limit.engine_speeds
-        if limit.share is not None:
-            assert self.case is not None
-            of_case = evaluate(
-                Point(self.case, (), run._replace(engine_speed=lowest), self.outputs.request)
-            )
-            if limit.quantity not in of_case.values:
-                return _at_lowest(of_case, lowest)
-            limit = replace(limit, bound=limit.share * of_case.values[limit.quantity])
-        first = super().evaluate(point, run._replace(engine_speed=lowest))
-        if not first.status.completed or limit.quantity not in first.values:
+    name, lowest = limit.quantity, limit.engine_speeds[0]
+    for compute in (of_case, at) if limit.share is not None else (at,):
+        first = compute(lowest)
+        if not first.status.completed or name not in first.values:
             return _at_lowest(first, lowest)
+        if compute is of_case and limit.share is not None:
+            limit = replace(limit, bound=limit.share * first.values[name])
 
-        def value_at(engine_speed: float) -> float:
-            if engine_speed == lowest:
-                return first.values[limit.quantity]
-            there = super(LimitEvaluation, self).evaluate(
-                point, run._replace(engine_speed=engine_speed)
-            )
-            return there.values.get(limit.quantity, np.nan) if there.status.completed else np.nan
+    def value_at(engine_speed: float) -> float:
+        there = first if engine_speed == lowest else at(engine_speed)
+        return there.values.get(name, np.nan) if there.status.completed else np.nan
 
-        found = find_limit(limit, value_at)
-        fields = {name: getattr(found, name) for name in LimitFound.__slots__}
-        return Outcome(values={limit.name: found.value, **fields})
-
-    def digest(self, values: Iterable[float], run: Run) -> bytes:
-        """As that of an evaluation, and of the limit."""
-        base = super().digest(values, run)
-        if run[0] is not None:
-            return base
-        return hashlib.blake2b(base + repr(self.limit).encode(), digest_size=16).digest()
+    found = find_limit(limit, value_at)
+    return Outcome(values={limit.name: found.value, **asdict(found)})
 
 
 def limit_of(outcome: Outcome) -> LimitFound:
     """The bracket in the outcome of a search that completed."""
-    return LimitFound(*(outcome.values[name] for name in LimitFound.__slots__))
+    return LimitFound(*(outcome.values[one.name] for one in fields(LimitFound)))
 
 
 def _at_lowest(outcome: Outcome, engine_speed: float) -> Outcome:

@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.explore.engine import Engine, Evaluation, PointJob
+from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.limit_speed import LimitFound, limit_of
-from valvetrain.explore.outputs import LimitSearch, Outcome, Run, has_pair
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run, Task, has_pair
+from valvetrain.parameters.case import Case
+from valvetrain.quantities.request import PointRequest
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
 
@@ -19,7 +20,6 @@ from valvetrain.solution.definition import definition_of, not_given, of_pair, sh
 REST, RUNS, LIMIT = "rest", "runs", "limit"
 #: Status of a design whose points lack a number that was requested.
 INCOMPLETE = "incomplete"
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -118,17 +118,30 @@ class Measured:
     code: str = "completed"
 
 
-#: Evaluations of a plan by source or limit; values (SI) of a design, none for the case as it is.
-Evaluations = Mapping[str | LimitSearch, Evaluation]
+#: Values (SI) of a design, none for the case as it is; the run of a measure with its limit.
 Values = tuple[float, ...]
+Place = tuple[LimitSearch | None, Run]
 Stop = Callable[[Mapping[Measure, float]], bool]
+
+
+def tasks_of(measures: Sequence[Measure], rest_model: str) -> dict[Place, Task]:
+    """What is computed for measures, each run with its quantities once."""
+    names: dict[Place, dict[str, None]] = {}
+    for one in measures:
+        for run in one.runs:
+            names.setdefault((one.limit, run), {})[one.quantity] = None
+    return {
+        (limit, run): Task(run, PointRequest(tuple(each), rest_model), limit)
+        for (limit, run), each in names.items()
+    }
 
 
 def measure_designs(
     engine: Engine,
-    sources: Evaluations,
+    evaluation: Evaluation,
     designs: Sequence[Values],
     measures: Sequence[Measure],
+    rest_model: str = "",
     stop: Stop | None = None,
 ) -> list[Measured]:
     """The numbers of every design, in order: at rest first, then of the runs, then limit speeds.
@@ -144,27 +157,25 @@ def measure_designs(
             for place, one in enumerate(results)
             if not one.failure and not (stage == LIMIT and stop is not None and stop(one.values))
         ]
-        asks = list(dict.fromkeys((one.limit or stage, run) for one in here for run in one.runs))
-        jobs: list[PointJob] = [
-            (sources[key], designs[place], run) for place in going for key, run in asks
-        ]
+        tasks = tasks_of(here, rest_model)
+        jobs = [(evaluation, designs[place], task) for place in going for task in tasks.values()]
         outcomes = iter(engine.outcomes(jobs))
         for place in going:
-            answers = {ask: next(outcomes) for ask in asks}
-            results[place] = _with_answers(results[place], here, answers, sources)
+            answers = {key: next(outcomes) for key in tasks}
+            results[place] = _with_answers(results[place], here, answers, evaluation.case)
     return results
 
 
 def _with_answers(
     before: Measured,
     measures: Sequence[Measure],
-    answers: Mapping[tuple[str | LimitSearch, Run], Outcome],
-    sources: Evaluations,
+    answers: Mapping[Place, Outcome],
+    case: Case | None,
 ) -> Measured:
     """What was measured so far and the numbers of one stage, or why one is missing."""
     values, limits = dict(before.values), dict(before.limits)
     for one in measures:
-        outcomes = [answers[one.limit or one.source, run] for run in one.runs]
+        outcomes = [answers[one.limit, run] for run in one.runs]
         values[one] = one.of([outcome.values.get(one.output, np.nan) for outcome in outcomes])
         if one.limit is not None and np.isfinite(values[one]):
             limits[one] = tuple(map(limit_of, outcomes))
@@ -174,10 +185,6 @@ def _with_answers(
             return Measured(values, limits, at + outcome.status.sentence(), outcome.status.code)
     lacking = [one for one in measures if not np.isfinite(values[one]) and not one.optional]
     if lacking:
-        name, pair = lacking[0].quantity, any(map(_has_pair, sources.values()))
+        name, pair = lacking[0].quantity, case is not None and has_pair(case, lacking[0].runs)
         return Measured(values, limits, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
     return Measured(values, limits)
-
-
-def _has_pair(one: Evaluation) -> bool:
-    return one.case is not None and has_pair(one.case, one.runs)

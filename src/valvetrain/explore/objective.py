@@ -11,17 +11,16 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Array, Evaluation
+from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.files import FileText
-from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
     Constraint,
-    Evaluations,
     Measure,
     Objective,
+    tasks_of,
 )
 from valvetrain.explore.optimum_file import (
     ConstraintModel,
@@ -31,14 +30,14 @@ from valvetrain.explore.optimum_file import (
     SearchModel,
 )
 from valvetrain.explore.outputs import (
-    LimitSearch,
     Outputs,
     Run,
+    Task,
     refuse_limit_name,
     refuse_sets,
     share_of_case,
 )
-from valvetrain.explore.space import ENGINE_SPEED, Prior, Space, Values, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Array, Prior, Space, Values, Varied
 from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -61,27 +60,33 @@ Place = tuple[str | int, ...]
 
 @dataclass(frozen=True, eq=False)
 class OptimumPlan:
-    """What a search does. ``plans``: the evaluations of points at rest, at the runs, and of limit
-    speeds, those that are needed. ``confirmations``: another model that the best design is computed by -> the plan of that.
+    """What a search does. ``rest_model``: spring model of static quantities, empty for the finite-element rod.
+    ``confirmations``: another model that the best design is computed by -> the plan of that.
     """
 
     title: str
     description: str
-    case: Case | None
-    varied: Space
+    evaluation: Evaluation
     objectives: tuple[Objective, ...]
     constraints: tuple[Constraint, ...]
     search: SearchModel
-    plans: Evaluations
+    rest_model: str = ""
     confirmations: Mapping[str, OptimumPlan] = field(default_factory=dict)
+
+    @property
+    def case(self) -> Case | None:
+        """The case, None of a function."""
+        return self.evaluation.case
+
+    @property
+    def varied(self) -> Space:
+        """The varied quantities."""
+        return self.evaluation.space
 
     @property
     def case_name(self) -> str:
         """Name of the case, or of the function."""
-        if self.case is not None:
-            return self.case.name
-        function = next(iter(self.plans.values())).outputs.function
-        return getattr(function, "__name__", "function")
+        return self.evaluation.name
 
     @property
     def measures(self) -> tuple[Measure, ...]:
@@ -106,21 +111,14 @@ class OptimumPlan:
         )
 
     @property
-    def rest_model(self) -> str:
-        """Spring model of static quantities, empty for the finite-element rod."""
-        return self.plans[REST].outputs.rest_model if REST in self.plans else ""
+    def tasks(self) -> tuple[Task, ...]:
+        """All that is computed of a design."""
+        return tuple(tasks_of(self.measures, self.rest_model).values())
 
     @property
     def seconds(self) -> float:
         """Estimated seconds of one core for a design whose limit speeds are searched to the end."""
-        total = 0.0
-        for source, part in self.plans.items():
-            speeds: Sequence[float | None] = [None]
-            if isinstance(source, LimitSearch):
-                speeds = [*source.engine_speeds, *source.engine_speeds[-1:] * CLOSER]
-            for run in part.runs:
-                total += sum(seconds_of(part, Run(one or run[0], *run[1:])) for one in speeds)
-        return total
+        return sum(seconds_of(self.evaluation, task) for task in self.tasks)
 
     def values(self, shares: Array) -> Array:
         """Values (d, SI) of a point (d,) of the unit cube."""
@@ -159,26 +157,6 @@ class OptimumPlan:
             made.append(one)
         return replace(self, constraints=tuple(made))
 
-    def with_plans(
-        self, rest_model: str, function: Callable[..., Any] | None = None
-    ) -> OptimumPlan:
-        """The plan with its evaluations: one for each source of numbers, so that none costs more
-        than it needs.
-        """
-        plans = dict[str | LimitSearch, Evaluation]()
-        for source in (REST, RUNS):
-            here = [one for one in self.measures if one.source == source]
-            if here:
-                names = tuple(dict.fromkeys(one.quantity for one in here))
-                outputs = Outputs(names, rest_model=rest_model, function=function)
-                runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
-                plans[source] = Evaluation(self.case, self.varied, outputs, runs)
-        for one in self.measures:
-            if one.limit is not None:
-                of_runs = Evaluation(self.case, self.varied, Outputs(one.quantity), one.runs)
-                plans[one.limit] = LimitEvaluation(of_runs, one.limit)
-        return replace(self, plans=plans)
-
     def by_another(self, model: str) -> OptimumPlan:
         """The same measures by another spring model, which gives springs at rest too where it is the finest."""
 
@@ -190,7 +168,8 @@ class OptimumPlan:
             self,
             objectives=tuple(map(moved, self.objectives)),
             constraints=tuple(map(moved, self.constraints)),
-        ).with_plans("" if model == FINEST else self.rest_model)
+            rest_model="" if model == FINEST else self.rest_model,
+        )
 
 
 def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
@@ -241,16 +220,13 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
         return plan
     models, springs = set[str](), list[InstalledSpring]()
     for every in (plan, *plan.confirmations.values()):
-        for source, part in every.plans.items():
-            request, of_plan = part.outputs.request, set[str]()
-            for run in part.runs:
-                words, several = planned(run._replace(engine_speed=None).request(plan.case))[0]
-                of_plan.update(words)
-                springs += several
-            if source != REST:
-                models |= of_plan
-            elif not request.sizes_alone:
-                models.add(request.rest_model or FINEST)
+        for task in every.tasks:
+            words, several = planned(task.run._replace(engine_speed=None).request(plan.case))[0]
+            springs += several
+            if task.limit is not None or task.request.motion:
+                models.update(words)
+            elif not task.request.sizes_alone:
+                models.add(task.request.rest_model or FINEST)
     finest = FINEST if all(one.wire is not None for one in springs) else OF_CARDS
     fine = models & {finest, *FULL}
     if not models or fine or models & OWN.keys() or any(find("springs", finest).why_not(one) for one in springs):  # fmt: skip
@@ -304,9 +280,11 @@ class _Reader:
             for key in ("at_most", "at_least")
             if getattr(one, key) is not None
         )
+        goals: list[Any] = [*objectives, *constraints]
+        outputs = Outputs([one.measure.quantity for one in goals], function=self.function)
         plan = OptimumPlan(
-            model.title, model.description, self.case, self.space, objectives, constraints, model.search, {},
-        ).with_plans(model.rest_model, self.function)  # fmt: skip
+            model.title, model.description, Evaluation(self.case, self.space, outputs), objectives, constraints, model.search, model.rest_model,
+        )  # fmt: skip
         return replace(plan, title=model.title or f"{plan.case_name}: {objectives[0].measure.label}")  # fmt: skip
 
     def measure(self, path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:

@@ -57,8 +57,8 @@ class Observed(Computation):
         """Case, keys, targets and versions."""
         return [self.case.record().digest, self.varied, self.targets, versions_digest()]
 
-    def evaluate(self, values: Iterable[float], run: Sequence[Any]) -> Outcome:
-        """Values of the targets under the conditions of a run, by key."""
+    def evaluate(self, values: Iterable[float], task: Any) -> Outcome:
+        """Values of the targets under all conditions, by key."""
         pairs = zip(self.varied, values, strict=True)
         try:
             case = vary(self.case, {one: value for row, value in pairs for one in row})

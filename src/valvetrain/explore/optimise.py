@@ -53,16 +53,14 @@ def run_search(
     Raises :class:`InputError` for a request beyond its limit, and :class:`Interrupted` with
     what was finished when it is stopped.
     """
-    every = [plan, *plan.confirmations.values()]
-    evaluations = [one for part in every for one in part.plans.values()]
-    for evaluation in evaluations:
-        refuse_outputs(evaluation)
+    for part in (plan, *plan.confirmations.values()):
+        refuse_outputs(plan.case, part.tasks)
     with on_cluster(execution.dask, execution.workers) as count:
         work = f"{plan.search.trials + 1} trials at most"
         watch.admit(search_cost(plan, count), execution.limit, work, FEWER)
         with quiet_optuna():
             pass  # a library that is not installed is said before the first run
-        with Engine(evaluations, count, execution.output) as points:
+        with Engine((plan.evaluation,), count, execution.output) as points:
             return _Search(plan, points, watch.report).run()
 
 
@@ -104,7 +102,7 @@ class _Search:
 
     def case(self, plan: OptimumPlan) -> Trial:
         """The case as given, trial 0, with the bounds that are shares of its numbers."""
-        (measured,) = measure_designs(self.points, plan.plans, [case_of_plan(plan)], plan.measures)
+        (measured,) = self.measure(plan, [case_of_plan(plan)])
         shares = [one.share for one in plan.constraints]
         shares += [one.limit.share for one in plan.measures if one.limit is not None]
         if measured.failure and any(share is not None for share in shares):
@@ -115,9 +113,10 @@ class _Search:
             raise InputError(f"{measured.failure}; no design can be judged without it")
         return Trial(0, _nominal(plan), measured, plan.of_case(measured.values))
 
-    def measure(self, values: Sequence[Array], spare: bool = False) -> list[Measured]:
+    def measure(
+        self, plan: OptimumPlan, designs: Sequence[tuple[float, ...]], spare: bool = False
+    ) -> list[Measured]:
         """The numbers of designs (d, SI); with ``spare`` no limit speed of one that misses a bound already."""
-        plan, designs = self.plan, [tuple(row.tolist()) for row in values]
 
         def misses(numbers: Mapping[Measure, float]) -> bool:
             return any(
@@ -127,14 +126,16 @@ class _Search:
             )
 
         stop = misses if spare else None
-        return measure_designs(self.points, plan.plans, designs, plan.measures, stop)
+        measures, rest = plan.measures, plan.rest_model
+        return measure_designs(self.points, plan.evaluation, designs, measures, rest, stop)
 
     def round(self, shares: Sequence[Array], spare: bool) -> list[Trial]:
         """The trials at points of the unit cube, a few batches of them at a time."""
         values, size, before = [self.plan.values(one) for one in shares], self.plan.search.per_round, len(self.trials)  # fmt: skip
         for first in range(0, len(values), size):
             part = values[first : first + size]
-            for row, measured in zip(part, self.measure(part, spare), strict=True):
+            designs = [tuple(row.tolist()) for row in part]
+            for row, measured in zip(part, self.measure(self.plan, designs, spare), strict=True):
                 self.trials.append(Trial(len(self.trials), row, measured, self.plan))
             total, best = self.plan.search.trials, best_of(self.trials)
             goal, text = self.plan.objectives[0].measure, "none feasible yet"
@@ -159,8 +160,7 @@ class _Search:
             self.progress(0.98, f"confirming by {label}")
             case = design = self.case(plan)
             if best.number:
-                there = [tuple(best.values.tolist())]
-                (measured,) = measure_designs(self.points, plan.plans, there, case.plan.measures)  # fmt: skip
+                (measured,) = self.measure(case.plan, [tuple(best.values.tolist())])
                 design = replace(best, measured=measured, plan=case.plan)
             made.append(Confirmed(label, case, design))
         return tuple(made)
@@ -168,13 +168,14 @@ class _Search:
     def error_bars(self, made: Optimum) -> tuple[Uncertainty, ...]:
         """Error bars of the numbers searched for, of the best design or of the one that comes nearest."""
         plan, trial = self.plan, made.nearest
-        if trial is None or RUNS not in plan.plans:
+        runs = dict.fromkeys(run for one in plan.measures if one.source == RUNS for run in one.runs)
+        if trial is None or not runs:
             return ()
         self.progress(0.99, "error bars")
         trial = trial if made.best is None else made.best.trial
         values = trial.values.tolist() if trial.number else []
-        searched, evaluation = {one.quantity for one in plan.measures}, plan.plans[RUNS]
-        every = (row for run in evaluation.runs for row in evaluation.error_bars(values, run))
+        searched = {one.quantity for one in plan.measures}
+        every = (row for run in runs for row in plan.evaluation.error_bars(values, run))
         bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
         return tuple(bars.values())
 

@@ -163,6 +163,20 @@ def limit_search(
     return LimitSearch(quantity, upper, bound, speeds, width, share, kind)
 
 
+class Task(NamedTuple):
+    """What is computed of a point in one go: the quantities of a ``request`` in a ``run``, or with a ``limit`` the search for that
+    limit speed by the model and set of the run.
+    """
+
+    run: Run
+    request: PointRequest
+    limit: LimitSearch | None = None
+
+    def gives(self, run: Run) -> bool:
+        """Whether its numbers are those of a run: a limit speed is that of a run at any speed."""
+        return run == self.run if self.limit is None else run[1:] == self.run[1:]
+
+
 @dataclass(frozen=True, init=False)
 class Outputs:
     """What an experiment computes at every point.
@@ -224,17 +238,6 @@ class Outputs:
             strict=True,
         ):
             object.__setattr__(self, name, value)
-
-    def of(self, quantity: str) -> Outputs:
-        """One quantity of the same runs, without limit speeds."""
-        return Outputs(
-            quantity,
-            engine_speeds=self.engine_speeds,
-            spring_models=self.spring_models,
-            spring_set=self.spring_sets,
-            rest_model=self.rest_model,
-            function=self.function,
-        )
 
     @property
     def request(self) -> PointRequest:

@@ -4,13 +4,13 @@ show, and whether a spring is given by wire or card. What depends on the values 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.limit_speed import LimitEvaluation
-from valvetrain.explore.outputs import Run
+from valvetrain.explore.outputs import Task
 from valvetrain.explore.space import ENGINE_SPEED
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import OWN, find, names
 from valvetrain.runs.cost import planned
@@ -30,37 +30,29 @@ BY_WIRE = ("open_nominal_shear", "closed_nominal_shear", "open_uncorrected_shear
 WHAT = {"clash": "coils that meet", "stress": "stress along the wire"}
 
 
-def refuse_outputs(experiment: Evaluation) -> None:
-    """Raise :class:`InputError` for an output that no run of the experiment can give.
+def refuse_outputs(case: Case | None, tasks: Iterable[Task]) -> None:
+    """Raise :class:`InputError` for an output that no task of a case can give.
 
     >>> import valvetrain as vt
     >>> space = vt.Space({"spring.precompression": vt.Uniform("6 mm", "8 mm")})
     >>> outputs = vt.Outputs("clash_count", engine_speeds="4000 rpm", spring_models="massless")
-    >>> refuse_outputs(Evaluation("job-c", space, outputs))  # doctest: +ELLIPSIS
+    >>> refuse_outputs(vt.load_case("job-c"), vt.Experiment("job-c", space, outputs).tasks)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
     valvetrain.errors.InputError: the coil contacts (clash_count) cannot be had by massless, which has no coils that meet; ...
     """
-    case = experiment.case
     if case is None:
         return
-    kind = "spring" if case.train is None else "train"
-    for name in experiment.outputs.quantities:
-        row = definition_of(name)
-        if row.systems and kind not in row.systems:
-            raise InputError(f"a {kind} has no {row.label} ({name}); choose another")
-    runs = [_chosen(experiment, run) for run in experiment.runs]
-    for name in experiment.outputs.quantities:
-        reasons = [_reason(name, model, springs) for model, springs in runs]
-        if reasons and all(reasons):
-            raise InputError(reasons[0])
-
-
-def _chosen(experiment: Evaluation, run: Run) -> tuple[str, Sequence[InstalledSpring]]:
-    """Spring model and springs of a run, as its point is built."""
-    assert experiment.case is not None
-    chosen, springs = planned(run.request(experiment.case))[0]
-    return chosen[0], springs
+    kind, reasons = "spring" if case.train is None else "train", dict[str, list[str]]()
+    for task in tasks:
+        (model, *_), springs = planned(task.run.request(case))[0]
+        for name in task.request.outputs:
+            row = definition_of(name)
+            if row.systems and kind not in row.systems:
+                raise InputError(f"a {kind} has no {row.label} ({name}); choose another")
+            reasons.setdefault(name, []).append(_reason(name, model, springs))
+    if refused := next((every for every in reasons.values() if all(every)), None):
+        raise InputError(refused[0])
 
 
 def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
@@ -98,23 +90,17 @@ def refuse_limits(experiment: Evaluation) -> None:
             raise InputError(
                 "the engine speed is varied, and a limit speed is one; remove one of them"
             )
-        row = definition_of(limit.quantity)
-        kind = "spring" if experiment.case.train is None else "train"
-        if row.systems and kind not in row.systems:
-            raise InputError(
-                f"a {kind} has no {row.label} ({limit.quantity}), so its limit speed cannot be had; choose another",
-            )
 
 
-def refuse_missing(engine: Engine, searches: Sequence[LimitEvaluation]) -> None:
+def refuse_missing(engine: Engine, experiment: Evaluation) -> None:
     """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
     the quantity of a limit.
     """
-    for search in searches:
-        limit, middle = search.limit, tuple(one.distribution.middle for one in search.space)
-        kinds = dict.fromkeys(run[1:] for run in search.runs)
-        jobs = [(search, middle, Run(limit.engine_speeds[0], *kind)) for kind in kinds]
-        for kind, outcome in zip(kinds, engine.outcomes(jobs), strict=True):
-            if outcome.status.completed and limit.quantity not in outcome.values:
-                by = f" by {kind[0]}" if kind[0] else ""
-                raise InputError(f"{not_given(limit.quantity, outcome.values)}{by}", "limit_speed")
+    middle = tuple(one.distribution.middle for one in experiment.space)
+    for task in experiment.tasks:
+        if task.limit is not None:
+            lowest = task.run._replace(engine_speed=task.limit.engine_speeds[0])
+            (outcome,) = engine.outcomes([(experiment, middle, Task(lowest, task.request))])
+            if outcome.status.completed and task.limit.quantity not in outcome.values:
+                by = f" by {lowest.spring_model}" if lowest.spring_model else ""
+                raise InputError(f"{not_given(task.limit.quantity, outcome.values)}{by}", "limit_speed")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from pydantic import Field
 
-from valvetrain.explore.engine import Array, Engine, Evaluation, Interrupted, PointJob
+from valvetrain.explore.engine import Engine, Evaluation, Interrupted
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
     MAX_VARIED,
@@ -22,11 +22,11 @@ from valvetrain.explore.files import (
     RunsModel,
     VaryModel,
 )
-from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
-from valvetrain.explore.outputs import Outcome, Outputs, Run
+from valvetrain.explore.limit_speed import CLOSER
+from valvetrain.explore.outputs import Outcome, Outputs, Task
 from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_outputs
 from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
-from valvetrain.explore.space import ENGINE_SPEED, Space, Values
+from valvetrain.explore.space import ENGINE_SPEED, Array, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, request_cost
@@ -87,64 +87,47 @@ def run_plan(
     with on_cluster(execution.dask, execution.workers) as count:
         estimate = estimate_study(plan, count)
         watch.admit(estimate.cost, execution.limit, f"{estimate.points} points")
-        draws, searches = plan.draws(), searches_of(plan.experiment)
+        draws, experiment = plan.draws(), plan.experiment
 
         def finished() -> None:
             total, reached = max(estimate.points, 1), engine.computed + engine.read
             watch.report(min(1.0, reached / total), f"{reached} of {total} points")
 
         together = 1 if estimate.seconds_each > SHORT else TOGETHER
-        computations = (plan.experiment, *searches)
-        with Engine(computations, count, execution.output, together, finished) as engine:
+        with Engine((experiment,), count, execution.output, together, finished) as engine:
             stopped = False
             try:
-                refuse_missing(engine, searches)
+                refuse_missing(engine, experiment)
                 engine.compute(
-                    job
-                    for row, run in plan.experiment.rows(draws)
-                    for job in _jobs(plan, searches, row, run)
+                    (experiment, tuple(row.tolist()), task)
+                    for row in draws
+                    for task in experiment.tasks
                 )
             except KeyboardInterrupt:
                 stopped = True
-            table = _table(plan, engine, searches, draws)
+            table = _table(plan, engine, draws)
     table = replace(table, seconds=time.perf_counter() - begun)
     if stopped:
         raise Interrupted(table)
     return analysed(table)
 
 
-def _jobs(
-    plan: StudyPlan, searches: Sequence[LimitEvaluation], row: Array, run: Run
-) -> list[PointJob]:
-    """What a row of the table is computed by: its run, and the search for each limit speed."""
-    values, experiment = tuple(row.tolist()), plan.experiment
-    own = [(experiment, values, run)] if experiment.outputs.quantities else []
-    return [*own, *((search, values, run._replace(engine_speed=None)) for search in searches)]
-
-
-def _table(
-    plan: StudyPlan, engine: Engine, searches: Sequence[LimitEvaluation], draws: Array
-) -> StudyTable:
+def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
+    experiment, statuses = plan.experiment, list[Status]()
     values = np.full((len(draws) * len(plan.runs), len(plan.outputs)), np.nan)
-    statuses: list[Status] = []
-    for place, (row, run) in enumerate(plan.experiment.rows(draws)):
+    for row, run in itertools.product(draws, plan.runs):
         status = COMPLETED
-        for evaluation, point, at in _jobs(plan, searches, row, run):
-            key = evaluation.digest(point, at)
+        for task in (one for one in experiment.tasks if one.gives(run)):
+            key = experiment.digest(row, task)
             outcome = engine.store.outcome(key) if key in engine.store else Outcome(INTERRUPTED)
             status = outcome.status if status.completed else status
             for name in outcome.values.keys() & set(plan.outputs):
-                values[place, plan.outputs.index(name)] = outcome.values[name]
+                values[len(statuses), plan.outputs.index(name)] = outcome.values[name]
         statuses.append(status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
     return StudyTable(
         plan, inputs, plan.runs * len(draws), values, tuple(statuses), computed=engine.computed
     )
-
-
-def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
-    """The searches for the limit speeds of an experiment."""
-    return tuple(LimitEvaluation(experiment, one) for one in experiment.outputs.limit_speeds)
 
 
 def analysed(table: StudyTable) -> StudyTable:
@@ -165,39 +148,34 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     the speeds between.
     """
     draws, experiment = len(plan.draws()), plan.experiment
-    refuse_outputs(experiment)
     refuse_limits(experiment)
-    seconds = [seconds_of(experiment, run) for run in plan.runs if experiment.outputs.quantities]
-    for search, kind in itertools.product(
-        searches_of(experiment), dict.fromkeys(run[1:] for run in plan.runs)
-    ):
-        speeds = search.limit.engine_speeds
-        grid = sum(seconds_of(search, Run(speed, *kind)) for speed in speeds)
-        seconds.append(grid * (1 + CLOSER / len(speeds)))
+    refuse_outputs(experiment.case, experiment.tasks)
+    seconds = [seconds_of(experiment, task) for task in experiment.tasks]
     points, numbers = draws * len(seconds), len(plan.varied) + len(plan.outputs)
     memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
     cost = Cost(draws * sum(seconds) / max(1, workers), memory)
     return Estimate(points, cost, sum(seconds) / len(seconds))
 
 
-def seconds_of(plan: Evaluation, run: Run) -> float:
-    """Estimated seconds of one core for one point of ``run``."""
-    if plan.case is None:
+def seconds_of(experiment: Evaluation, task: Task) -> float:
+    """Estimated seconds of one core for a task of one point."""
+    run, request, limit = task
+    if limit is not None:
+        at_speeds = (run._replace(engine_speed=one) for one in limit.engine_speeds)
+        grid = sum(seconds_of(experiment, Task(one, request)) for one in at_speeds)
+        return grid * (1 + CLOSER / len(limit.engine_speeds))
+    if experiment.case is None:
         return AROUND
-    request, springs = plan.outputs.request, max(1, len(plan.case.springs))
-    engine_speed = run.engine_speed
-    if engine_speed is None and request.motion:  # it is varied: the slowest takes longest
-        varied = [one for one in plan.space if one.key == ENGINE_SPEED]
-        engine_speed = min(
-            (float(np.min(one.distribution.at([0.01, 0.99]))) for one in varied), default=None
-        )
+    if run.engine_speed is None and request.motion:  # it is varied: the slowest takes longest
+        varied = [one for one in experiment.space if one.key == ENGINE_SPEED]
+        slowest = (float(np.min(one.distribution.at([0.01, 0.99]))) for one in varied)
+        run = run._replace(engine_speed=min(slowest, default=None))
     seconds = 0.0
-    if engine_speed is not None:
-        single = run._replace(engine_speed=engine_speed).request(plan.case)
-        seconds = request_cost(single, whole=not request.light).seconds
+    if run.engine_speed is not None:
+        seconds = request_cost(run.request(experiment.case), whole=not request.light).seconds
     by_rod = request.rest and not request.rest_model and not request.sizes_alone
-    if by_rod and (engine_speed is None or request.light):
-        seconds += 0.6 * springs
+    if by_rod and (run.engine_speed is None or request.light):
+        seconds += 0.6 * max(1, len(experiment.case.springs))
     return seconds + AROUND
 
 
@@ -248,8 +226,10 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
         ),
     )
     experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))
-    text.guarded(("outputs",), lambda: refuse_outputs(experiment))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
+    tasks = text.guarded(("engine_speeds",), lambda: experiment.tasks)
+    for key, some in itertools.groupby(tasks, lambda one: "limit_speed" if one.limit else "outputs"):
+        text.guarded((key,), lambda some=list(some): refuse_outputs(case, some))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.description)
     if spec.word == "posterior":

@@ -52,10 +52,7 @@ class StudyPlan:
     @property
     def case_name(self) -> str:
         """Name of the case, or of the function."""
-        function = self.experiment.outputs.function
-        return (
-            self.case.name if self.case is not None else getattr(function, "__name__", "function")
-        )
+        return self.experiment.name
 
     @property
     def varied(self) -> Space:
