@@ -115,7 +115,9 @@ class Evaluation(Computation):
                 if one.key.startswith(("operation.engine_speeds", "operation.cam_speeds")):
                     raise InputError(f"is no speed of these runs; vary {ENGINE_SPEED}", one.key)
             space = with_case_units(case, space)
-        for name, value in zip(Evaluation.__dataclass_fields__, (case, space, outputs), strict=True):
+        for name, value in zip(
+            Evaluation.__dataclass_fields__, (case, space, outputs), strict=True
+        ):
             object.__setattr__(self, name, value)
 
     @property

@@ -124,24 +124,21 @@ class Optimum(Reported):
         """
         import xarray
 
-        plan, data = self.plan, dict[str, Any]()
-        for column, varied in enumerate(plan.varied):
-            values = [trial.values[column] for trial in self.trials]
-            data[varied.name] = ("trial", values, {"units": varied.si_unit or "1"})
-        for kind, measures in (
-            ("objective", [one.measure for one in plan.objectives]),
-            ("constraint", [one.measure for one in plan.constraints]),
-        ):
-            for column, one in enumerate(measures):
-                values = [getattr(trial, f"{kind}s")[column] for trial in self.trials]
-                attributes = {"units": one.si_unit, "long_name": one.label}
-                data[f"{kind}_{column + 1}"] = ("trial", values, attributes)
-        for column in range(len(plan.constraints)):
-            missed = [trial.missed[column] for trial in self.trials]
-            data[f"missed_{column + 1}"] = ("trial", missed, {"units": "1"})
+        plan, trials = self.plan, self.trials
+        data: dict[str, Any] = {
+            one.name: ("trial", [each.values[k] for each in trials], {"units": one.si_unit or "1"})
+            for k, one in enumerate(plan.varied)
+        }
+        for kind in ("objective", "constraint"):
+            for k, one in enumerate(getattr(plan, f"{kind}s")):
+                about = {"units": one.measure.si_unit, "long_name": one.measure.label}
+                values = [getattr(each, f"{kind}s")[k] for each in trials]
+                data[f"{kind}_{k + 1}"] = ("trial", values, about)
+        for k in range(len(plan.constraints)):
+            data[f"missed_{k + 1}"] = ("trial", [each.missed[k] for each in trials], {"units": "1"})
         for name in ("feasible", "state", "failure"):
-            data[name] = ("trial", [getattr(trial, name) for trial in self.trials])
-        numbers = [trial.number for trial in self.trials]
+            data[name] = ("trial", [getattr(each, name) for each in trials])
+        numbers = [each.number for each in trials]
         return xarray.Dataset(data, {"trial": numbers}, {"title": plan.title})
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -163,28 +160,19 @@ class Optimum(Reported):
             dict(zip(self.plan.varied, map(float, design.trial.values), strict=True)),
         )
 
-    def at_ends(self, trial: Trial) -> tuple[tuple[int, str], ...]:
-        """(place, ``low`` or ``high``) of varied quantities at an end of their range in
-        a design.
-        """
-        found = []
-        for place, (one, value) in enumerate(zip(self.plan.varied, trial.values, strict=True)):
-            low, high = one.ends
-            if value <= low + AT_END * (high - low):
-                found.append((place, "low"))
-            elif value >= high - AT_END * (high - low):
-                found.append((place, "high"))
-        return tuple(found)
+    def at_ends(self, trial: Trial) -> list[int]:
+        """Places of varied quantities at an end of their range in a design."""
+        low, high = np.array([one.ends for one in self.plan.varied]).T
+        reach = AT_END * (high - low)
+        there = (trial.values <= low + reach) | (trial.values >= high - reach)
+        return [int(place) for place in np.flatnonzero(there)]
 
     def active(self, trial: Trial) -> tuple[int, ...]:
         """Places of the constraints that a design meets with less than a hundredth of the bound to
         spare.
         """
-        return tuple(
-            place
-            for place in range(len(self.plan.constraints))
-            if abs(trial.missed[place]) <= ACTIVE
-        )
+        missed = np.abs(trial.missed[: len(self.plan.constraints)])
+        return tuple(np.flatnonzero(missed <= ACTIVE).tolist())
 
     @property
     def nearest(self) -> Trial | None:

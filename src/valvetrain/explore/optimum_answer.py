@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum, case_text
 from valvetrain.explore.optimum_facts import SearchFacts, card_values
 from valvetrain.explore.optimum_rules import RULES
@@ -80,9 +79,11 @@ class OptimumAnswer(ExploreAnswer):
         trial = self.facts.trial
         return [] if trial is None else [*self._objectives(trial), *self._varied(trial), *self._bounds(trial)]  # fmt: skip
 
-    def _cells(self, one: Measure, before: float, after: float, trial: Trial) -> tuple[str, ...]:
-        pairs = ((before, self.result.case), (after, trial))
-        return tuple(self.words.said(self.facts.said(one, value, each), 4) for value, each in pairs)
+    def _cells(self, kind: str, place: int, *trials: Trial) -> tuple[str, ...]:
+        """A number of trials: an objective or a constraint by its place."""
+        one = getattr(trials[0].plan, kind)[place].measure
+        values = ((float(getattr(each, kind)[place]), each) for each in trials)
+        return tuple(self.words.said(self.facts.said(one, value, each), 4) for value, each in values)  # fmt: skip
 
     def _objectives(self, trial: Trial) -> Iterator[Line]:
         for place, goal in enumerate(self.result.plan.objectives):
@@ -91,7 +92,11 @@ class OptimumAnswer(ExploreAnswer):
             remarks = [f"{100 * (after / before - 1):+.2g} %".replace("-", "−")] if before and np.isfinite(after / before) else []  # fmt: skip
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
             reach = "most" if goal.maximise else "least"
-            yield Line(goal.measure.label, (*self._cells(goal.measure, before, after, trial), reach), "", ", ".join(remarks))  # fmt: skip
+            yield Line(goal.measure.label, (*self._cells("objectives", place, self.result.case, trial), reach), "", ", ".join(remarks))  # fmt: skip
+            for one in self.result.best.confirmed if self.result.best is not None else ():
+                yield Line(
+                    f"by {one.label}", (*self._cells("objectives", place, one.case, one.design), "")
+                )
 
     def _varied(self, trial: Trial) -> Iterator[Line]:
         plan, facts = self.result.plan, self.facts
@@ -107,26 +112,23 @@ class OptimumAnswer(ExploreAnswer):
     def _bounds(self, trial: Trial) -> Iterator[Line]:
         active = self.result.active(trial)
         for place, bound in enumerate(self.result.plan.constraints):
-            before, after, miss = (float(one[place]) for one in (self.result.case.constraints, trial.constraints, trial.missed))  # fmt: skip
+            miss = float(trial.missed[place])
             mark: Mark = "bad" if miss > 0 else "ok"
             remark = "missed" if miss > 0 else "limits it" if place in active else f"{digits_text(-100 * miss, 0, 2)} % to spare"  # fmt: skip
             limit = f"{'at most' if bound.upper else 'at least'} {self.words.said(self.facts.said(bound.measure, bound.bound), 4)}"
             if np.isfinite(miss):
-                yield Line(bound.measure.label, (*self._cells(bound.measure, before, after, trial), limit), mark, remark)  # fmt: skip
+                yield Line(bound.measure.label, (*self._cells("constraints", place, self.result.case, trial), limit), mark, remark)  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """The designs that were computed, which show the verdict, and the progress."""
-        return {
-            "designs": FigureSpec("Designs that were computed", "", _designs),
-            "progress": FigureSpec("Best value after each trial", "", _progress),
-        }
+        """The designs that were computed, which show the verdict."""
+        return {"designs": FigureSpec("Designs that were computed", "", _designs)}
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Findings, all rows of a long table, the front, and other models."""
+        """Findings, all rows of a long table, and the front."""
         rows = [(one.label, *one.cells, one.remark) for one in self._rows if len(self._rows) > ROWS]
         return {
             "findings": findings_table(self), "values": TextTable("All values", ("", *self.headings, ""), tuple(rows)),
-            "front": self._front(), "models": self._models(),
+            "front": self._front(),
         }  # fmt: skip
 
     def _front(self) -> TextTable:
@@ -143,15 +145,6 @@ class OptimumAnswer(ExploreAnswer):
             rows.append((str(one.number), *values, *moved))
         heads = (*(one.measure.label for one in goals), *(one.shown_name for one in varied))
         return TextTable("Designs of the front", ("trial", *heads), tuple(rows))
-
-    def _models(self) -> TextTable:
-        """The same rows by other models."""
-        best, rows = self.result.best, list[tuple[str, ...]]()
-        for one in best.confirmed if best is not None else ():
-            result = replace(self.result, plan=one.design.plan, case=one.case, designs=(Design(one.design, ""),), error_bars=())  # fmt: skip
-            lines = OptimumAnswer(result, words=self.words)._rows
-            rows += [(one.label,), *((each.label, *each.cells, each.remark) for each in lines)]
-        return TextTable("By other models", ("", *self.headings, ""), tuple(rows))
 
     @property
     def stopped(self) -> bool:
@@ -257,14 +250,3 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
 def _axis(facts: SearchFacts, place: int = 0) -> str:
     one = facts.result.plan.objectives[place].measure
     return f"{one.label}, {one.unit}".rstrip(", ") if facts.result.plan.case is not None else one.label  # fmt: skip
-
-
-def _progress(facts: SearchFacts) -> go.Figure | None:
-    """The best value that meets every bound after each trial."""
-    result = facts.result
-    if facts.several or not result.feasible:
-        return None
-    fig = panels((1.0,))
-    values = [facts.number(facts.goal, float(one)) for one in result.history()]
-    fig.add_scatter(y=values, mode="lines", line={"color": LEAD, "shape": "hv"})
-    return styled(fig, "trial", (_axis(facts),), 300)

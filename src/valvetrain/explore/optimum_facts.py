@@ -156,7 +156,7 @@ class SearchFacts(Subject):
     def ends(self) -> list[int]:
         """Places of varied quantities at an end of their range in the design, but those that designs as good leave open."""
         trial = self.trial
-        return [] if trial is None else [place for place, _ in self.result.at_ends(trial) if not self.alike(place)]  # fmt: skip
+        return [] if trial is None else [place for place in self.result.at_ends(trial) if not self.alike(place)]  # fmt: skip
 
 
 def card_values(result: Optimum, trial: Trial) -> Iterator[tuple[str, str, float, float]]:

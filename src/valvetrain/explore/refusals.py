@@ -103,4 +103,6 @@ def refuse_missing(engine: Engine, experiment: Evaluation) -> None:
             (outcome,) = engine.outcomes([(experiment, middle, Task(lowest, task.request))])
             if outcome.status.completed and task.limit.quantity not in outcome.values:
                 by = f" by {lowest.spring_model}" if lowest.spring_model else ""
-                raise InputError(f"{not_given(task.limit.quantity, outcome.values)}{by}", "limit_speed")
+                raise InputError(
+                    f"{not_given(task.limit.quantity, outcome.values)}{by}", "limit_speed"
+                )

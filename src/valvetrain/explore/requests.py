@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -18,20 +18,17 @@ from valvetrain.runs.stopping import shows_progress
 
 if TYPE_CHECKING:
     from valvetrain.explore.files import FileText
-    from valvetrain.explore.identification_file import (
-        IdentificationModel,
-        IdentificationPlan,
-        Search,
-    )
+    from valvetrain.explore.identification_file import Search
     from valvetrain.explore.identified import Identified
-    from valvetrain.explore.objective import OptimumPlan
     from valvetrain.explore.optimum import Optimum
-    from valvetrain.explore.optimum_file import OptimumModel
     from valvetrain.explore.posterior import Datum, Evaluate
     from valvetrain.explore.space import Prior
-    from valvetrain.explore.study import StudyModel
-    from valvetrain.explore.table import StudyPlan, StudyTable
+    from valvetrain.explore.table import StudyTable
     from valvetrain.runs.workers import Progress
+
+
+#: The model of a file, what makes a plan of its text, and what computes the plan.
+Steps = tuple[type[Any], Callable[[Any], Any], Callable[..., Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,19 +37,25 @@ class FileRequest(Execution, ABC):
 
     file: str
 
-    @cached_property
     @abstractmethod
+    def steps(self) -> Steps:
+        """The model of the file, what makes a plan of the text, and what computes the plan."""
+
+    @cached_property
     def text(self) -> FileText[Any]:
         """The file, read and checked."""
+        from valvetrain.explore.files import FileText
+
+        return FileText.read(self.file, self.steps()[0])
 
     @cached_property
-    @abstractmethod
     def plan(self) -> Any:
         """What the file plans."""
+        return self.steps()[1](self.text)
 
-    @abstractmethod
     def compute(self, watch: Watch) -> Any:
         """The result of the plan."""
+        return self.steps()[2](self.plan, self, watch)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,26 +68,11 @@ class Study(FileRequest):
         read_text, "Study file (docs/studies.md): case, varied quantities, outputs.", metavar="FILE"
     )
 
-    @cached_property
-    def text(self) -> FileText[StudyModel]:
-        """The file, read and checked."""
-        from valvetrain.explore.files import FileText
-        from valvetrain.explore.study import StudyModel
+    def steps(self) -> Steps:
+        """Those of a study."""
+        from valvetrain.explore.study import StudyModel, read_plan, run_plan
 
-        return FileText.read(self.file, StudyModel)
-
-    @cached_property
-    def plan(self) -> StudyPlan:
-        """What the file plans."""
-        from valvetrain.explore.study import read_plan
-
-        return read_plan(self.text)
-
-    def compute(self, watch: Watch) -> StudyTable:
-        """The table of the plan."""
-        from valvetrain.explore.study import run_plan
-
-        return run_plan(self.plan, self, watch)
+        return StudyModel, read_plan, run_plan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,26 +87,13 @@ class Optimise(FileRequest):
         metavar="FILE",
     )
 
-    @cached_property
-    def text(self) -> FileText[OptimumModel]:
-        """The file, read and checked."""
-        from valvetrain.explore.files import FileText
+    def steps(self) -> Steps:
+        """Those of a search."""
+        from valvetrain.explore.objective import read_optimum
+        from valvetrain.explore.optimise import run_search
         from valvetrain.explore.optimum_file import OptimumModel
 
-        return FileText.read(self.file, OptimumModel)
-
-    @cached_property
-    def plan(self) -> OptimumPlan:
-        """What the file plans."""
-        from valvetrain.explore.objective import read_optimum
-
-        return read_optimum(self.text)
-
-    def compute(self, watch: Watch) -> Optimum:
-        """The search of the plan."""
-        from valvetrain.explore.optimise import run_search
-
-        return run_search(self.plan, self, watch)
+        return OptimumModel, read_optimum, run_search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,31 +117,18 @@ class Identify(FileRequest):
         partial(read_count, 0, 10**7), "Seed of all random numbers.", "--seed", "N"
     )
 
-    @cached_property
-    def text(self) -> FileText[IdentificationModel]:
-        """The file, read and checked."""
-        from valvetrain.explore.files import FileText
-        from valvetrain.explore.identification_file import IdentificationModel
-
-        return FileText.read(self.file, IdentificationModel)
-
-    @cached_property
-    def plan(self) -> IdentificationPlan:
-        """What the file plans, by the method and the seed of the request."""
-        from valvetrain.explore.identification_file import read_identification
-
-        plan = read_identification(self.text)
-        given = {"method": self.method, "seed": self.seed}
-        search = (self.search or plan.search).changed(
-            **{key: one for key, one in given.items() if one is not None}
-        )
-        return replace(plan, search=search)
-
-    def compute(self, watch: Watch) -> Identified:
-        """What the plan identifies."""
+    def steps(self) -> Steps:
+        """Those of an identification, by the method and the seed of the request."""
+        from valvetrain.explore.identification_file import IdentificationModel, read_identification
         from valvetrain.explore.identify import run_identification
 
-        return run_identification(self.plan, self, watch)
+        def read(text: FileText[Any]) -> Any:
+            plan = read_identification(text)
+            given = {"method": self.method, "seed": self.seed}
+            changes = {key: one for key, one in given.items() if one is not None}
+            return replace(plan, search=(self.search or plan.search).changed(**changes))
+
+        return IdentificationModel, read, run_identification
 
 
 @shows_progress("study")
@@ -212,7 +174,8 @@ def study(
     >>> bool(table.column("peak_spring_force")[1] > table.column("peak_spring_force")[0])
     True
     """
-    return Study.read({"file": file, **options}).compute(Watch(progress or silent))
+    table: StudyTable = Study.read({"file": file, **options}).compute(Watch(progress or silent))
+    return table
 
 
 @shows_progress("optimise")
@@ -256,7 +219,8 @@ def optimise(
     >>> round(1e3 * float(found.best.trial.values[0]), 1)
     6.0
     """
-    return Optimise.read({"file": file, **options}).compute(Watch(progress or silent))
+    found: Optimum = Optimise.read({"file": file, **options}).compute(Watch(progress or silent))
+    return found
 
 
 @shows_progress("identify")
@@ -308,7 +272,8 @@ def identify(
     watch = Watch(progress or silent)
     if not isinstance(quantities, Mapping):
         request = Identify.read({"file": quantities, "search": search, **options})
-        return request.compute(watch)
+        result: Identified = request.compute(watch)
+        return result
     if evaluate is None:
         raise InputError(
             "a computation is missing; give evaluate, or the path of an identification file"

@@ -228,8 +228,9 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
     experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     tasks = text.guarded(("engine_speeds",), lambda: experiment.tasks)
-    for key, some in itertools.groupby(tasks, lambda one: "limit_speed" if one.limit else "outputs"):
-        text.guarded((key,), lambda some=list(some): refuse_outputs(case, some))
+    for key, limits in (("outputs", False), ("limit_speed", True)):
+        some = [one for one in tasks if (one.limit is not None) == limits]
+        text.guarded((key,), lambda some=some: refuse_outputs(case, some))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.description)
     if spec.word == "posterior":

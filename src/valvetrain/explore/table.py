@@ -195,25 +195,21 @@ class StudyTable(Reported):
         """
         import xarray
 
-        runs = self.plan.runs
-        axes = [list(dict.fromkeys(column)) for column in zip(*runs, strict=True)]
-        cells: Any = (slice(None), *zip(*(map(list.index, axes, run) for run in runs), strict=True))
-        shape = (len(self) // len(runs), *map(len, axes))
+        axes = [list(dict.fromkeys(column)) for column in zip(*self.plan.runs, strict=True)]
+        shape = (-1, *map(len, axes))
         dims, still = ("point", "speed", "model", "spring_set"), ("point", "model", "spring_set")
         limits = [one.name for one in self.plan.experiment.outputs.limit_speeds]
         data: dict[str, Any] = {}
         for name, column in zip(self.outputs, self.values.T, strict=True):
-            numbers = np.full(shape, np.nan)
-            numbers[cells] = column.reshape(-1, len(runs))
+            numbers = column.reshape(shape)
             about = {"units": definition_of(name).si_unit, "long_name": label_of(name)}
             data[name] = (still, numbers[:, 0], about) if name in limits else (dims, numbers, about)
-        status = np.full(shape, "not requested", dtype="U16")
-        status[cells] = np.reshape([one.code for one in self.statuses], (-1, len(runs)))
+        status = np.reshape([one.code for one in self.statuses], shape)
         coordinates: dict[str, Any] = {
             "speed": ("speed", np.round(np.array(axes[0], dtype=float) * 30 / np.pi, 6), {"units": "rpm"}), "model": axes[1], "spring_set": axes[2],
         } | {
             one.name: ("point", column, {"units": one.si_unit or "1", "long_name": one.shown_name})
-            for one, column in zip(self.plan.varied, self.inputs[:: len(runs)].T, strict=True)
+            for one, column in zip(self.plan.varied, self.inputs[:: len(self.plan.runs)].T, strict=True)
         }  # fmt: skip
         dataset = xarray.Dataset({**data, "status": (dims, status)}, coordinates)
         dataset.attrs["title"] = self.plan.title
