@@ -38,7 +38,7 @@ class Recording:
 def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(sources, failing):
     """A design that fails at rest is not run."""
     runs = {REST: AT_REST, RUNS: RUNNING}
-    measures = [Measure(one, f"number_{k}", runs[one], "a number") for k, one in enumerate(sources)]
+    measures = [Measure(f"number_{k}", runs[one], "a number") for k, one in enumerate(sources)]
     engine = Recording(failing)
     (found,) = measure_designs(engine, FUNCTION, [()], measures)
     fails = failing and REST in sources

@@ -135,13 +135,6 @@ class VaryModel(StrictModel):
     distribution: str = ""
     source: Line = ""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, raw: Any) -> Any:
-        if isinstance(raw, dict):
-            raw = {ALIASES.get(key, key): value for key, value in raw.items()}
-        return StrictModel._known_keys.__func__(cls, raw)
-
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         assert self.way
@@ -217,11 +210,18 @@ def standard_names(tree: Mapping[str, Any]) -> dict[str, Any]:
     tables with the name as label.
     """
     found = {ALIASES.get(key, key): value for key, value in tree.items()}
-    named = found.get("vary")
-    if isinstance(named, dict):
-        found["vary"] = [
+    tables = found.get("vary")
+    if isinstance(tables, dict):
+        tables = [
             {"label": name, **table} if isinstance(table, dict) else table
-            for name, table in named.items()
+            for name, table in tables.items()
+        ]
+    if isinstance(tables, list):
+        found["vary"] = [
+            {ALIASES.get(key, key): value for key, value in one.items()}
+            if isinstance(one, dict)
+            else one
+            for one in tables
         ]
     return found
 

@@ -15,9 +15,8 @@ from valvetrain.quantities.request import PointRequest
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
 
-#: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
-#: a limit speed.
-REST, RUNS, LIMIT = "rest", "runs", "limit"
+#: Order in which numbers are computed: of springs at rest, of runs, limit speeds.
+REST, RUNS, LIMIT = range(3)
 #: Status of a design whose points lack a number that was requested.
 INCOMPLETE = "incomplete"
 
@@ -31,7 +30,6 @@ class Measure:
     run need not give it.
     """
 
-    source: str
     quantity: str
     runs: tuple[Run, ...]
     label: str
@@ -39,6 +37,11 @@ class Measure:
     over: str = "worst"
     limit: LimitSearch | None = None
     optional: bool = False
+
+    @property
+    def stage(self) -> int:
+        """When it is computed: :data:`REST`, :data:`RUNS` or :data:`LIMIT`."""
+        return LIMIT if self.limit is not None else REST if self.runs[0][0] is None else RUNS
 
     @property
     def output(self) -> str:
@@ -151,7 +154,7 @@ def measure_designs(
     """
     results = [Measured({}, {}) for _ in designs]
     for stage in (REST, RUNS, LIMIT):
-        here = [one for one in measures if one.source == stage]
+        here = [one for one in measures if one.stage == stage]
         going = [
             place
             for place, one in enumerate(results)

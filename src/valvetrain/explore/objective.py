@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,9 +13,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
-    LIMIT,
-    REST,
-    RUNS,
     Constraint,
     Measure,
     Objective,
@@ -31,9 +27,7 @@ from valvetrain.explore.optimum_file import (
 )
 from valvetrain.explore.outputs import (
     Outputs,
-    Run,
     Task,
-    refuse_limit_name,
     refuse_sets,
     share_of_case,
 )
@@ -44,7 +38,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import OWN, find
 from valvetrain.runs.cost import planned
-from valvetrain.solution.definition import definition_of, is_defined, no_quantity
+from valvetrain.solution.definition import definition_of
 from valvetrain.units import parse_quantity
 
 #: Quantities that rank designs that lose contact, and whether the largest is the worst.
@@ -106,7 +100,7 @@ class OptimumPlan:
         """
         runs = next((one.runs for one in self._judged if one.is_contact_force), ())
         return tuple(
-            Measure(RUNS, name, runs, name, more, optional=True)
+            Measure(name, runs, name, more, optional=True)
             for name, more in (LOSSES if runs and self.case is not None else {}).items()
         )
 
@@ -289,34 +283,24 @@ class _Reader:
 
     def measure(self, path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:
         """The measure of a table: of a run, of springs at rest, a limit speed, or what is varied."""
-        text, limit, name = self.text, one.limit_speed, one.quantity
-        if self.case is None:
-            if limit is not None:
-                raise text.located(path, "a function has no limit speed; give a quantity")
-            label = one.label or name.replace("_", " ")
-            return Measure(RUNS, name, (Run(),), label, largest_is_worst, one.over)
-        name = name if limit is None else limit.quantity
-        text.guarded((*path, "quantity"), lambda: refuse_limit_name(name))
-        if not is_defined(name):
-            raise text.located((*path, "quantity"), no_quantity(name))
-        label, speeds, source = definition_of(name).label, tuple[float | None, ...]([None]), LIMIT
+        text, limit, model = self.text, one.limit_speed, self.text.model
+        if self.case is None and limit is not None:
+            raise text.located(path, "a function has no limit speed; give a quantity")
+        if self.case is not None and one.engine_speeds is not None and is_at_rest(one.quantity):
+            reason = (
+                f"'{one.quantity}' belongs to springs at rest, at no engine speed; leave it out"
+            )
+            raise text.located((*path, "engine_speeds"), reason)
+        outputs = text.guarded((*path, "quantity"), lambda: Outputs(
+            one.quantity or (), engine_speeds=one.engine_speeds or model.engine_speeds, spring_models=model.spring_models,
+            spring_set=model.spring_sets, limit_speeds=filter(None, [limit]), function=self.function,
+        ))  # fmt: skip
+        runs = text.guarded(path, lambda: outputs.runs(self.case, False))
+        name = one.quantity if limit is None else limit.quantity
+        label = name.replace("_", " ") if self.case is None else definition_of(name).label
         if limit is not None:
             label = f"speed up to which the {label} stays within its bound"
-        elif is_at_rest(name):
-            source = REST
-            if one.engine_speeds is not None:
-                reason = f"'{name}' belongs to springs at rest, at no engine speed; leave it out"
-                raise text.located((*path, "engine_speeds"), reason)
-        else:
-            source = RUNS
-            speeds = one.engine_speeds or text.model.engine_speeds or self.case.operation.engine_speeds  # fmt: skip
-            if not speeds:
-                reason = f"the case names no engine speed, and '{name}' needs one; add engine_speeds = '6000 rpm'"
-                raise text.located(path, reason)
-        models, sets = text.model.spring_models or [""], text.model.spring_sets or [""]
-        every = itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets))
-        runs = tuple(itertools.starmap(Run, every))
-        return Measure(source, name, runs, one.label or label, largest_is_worst, one.over, limit)
+        return Measure(name, runs, one.label or label, largest_is_worst, one.over, limit)
 
     def constraint(self, path: Place, one: ConstraintModel, key: str) -> Constraint:
         """The constraint of one bound of a table."""

@@ -168,7 +168,7 @@ class _Search:
     def error_bars(self, made: Optimum) -> tuple[Uncertainty, ...]:
         """Error bars of the numbers searched for, of the best design or of the one that comes nearest."""
         plan, trial = self.plan, made.nearest
-        runs = dict.fromkeys(run for one in plan.measures if one.source == RUNS for run in one.runs)
+        runs = dict.fromkeys(run for one in plan.measures if one.stage == RUNS for run in one.runs)
         if trial is None or not runs:
             return ()
         self.progress(0.99, "error bars")

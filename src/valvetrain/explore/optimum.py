@@ -16,7 +16,6 @@ from valvetrain.explore.case_paths import vary
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.search import Trial, best_of, front_of
-from valvetrain.explore.space import Array
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
@@ -107,16 +106,6 @@ class Optimum(Reported):
     def feasible(self) -> int:
         """Trials that meet every bound."""
         return sum(one.feasible for one in self.trials)
-
-    def history(self) -> Array:
-        """Best feasible value (SI) of the first objective after each trial; nan before any."""
-        goal = self.plan.objectives[0]
-        best, found = np.nan, []
-        for one in self.trials:
-            if one.feasible and not one.costs[0] >= goal.sign * best:
-                best = float(one.objectives[0])
-            found.append(best)
-        return np.array(found)
 
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over trial: varied quantities, objectives and constraints in SI, feasibility

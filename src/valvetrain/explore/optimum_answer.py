@@ -164,7 +164,6 @@ class OptimumAnswer(ExploreAnswer):
             "feasible_trials": result.feasible, "computed": result.computed, "varied": varied_of(plan.varied),
             "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
             "of_case": fields_of(result.case), "designs": fields_of(result.designs), "front": [one.number for one in result.front],
-            "history": result.history(),
             "uncertainties": [uncertainty_object(one) for one in result.error_bars],
             "completed": result.finished and result.best is not None, **rows_of(result.to_pandas()),
         }  # fmt: skip
@@ -215,7 +214,7 @@ def answer_of_search(result: Optimum, folder: Path | None = None) -> OptimumAnsw
 
 
 def _designs(facts: SearchFacts) -> go.Figure | None:
-    """Two objectives of the designs; else the objective over the one quantity that was varied, or in colour over two."""
+    """Two objectives of the designs; else the objective over the one quantity that was varied, in colour over two, or over the trials."""
     result, plan, several = facts.result, facts.result.plan, facts.several
     trials = [one for one in result.trials if np.all(np.isfinite([*one.values, *one.objectives]))]
     goals = [
@@ -226,8 +225,10 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
         (each.axis_label, [each.shown(float(one.values[k])) for one in trials])
         for k, each in enumerate(plan.varied)
     ]  # fmt: skip
-    if len(trials) < 2 or (len(axes) > 2 and not several):
+    if len(trials) < 2:
         return None
+    if len(axes) > 2:
+        axes = [("trial", [float(one.number) for one in trials])]
     (across, x), (up, y) = goals[:2] if several else [*axes, *goals][:2]
     fig, met = panels((1.0,)), np.array([one.feasible for one in trials])
     for name, at, colour in (("misses a bound", ~met, "#c9ced4"), ("meets every bound", met, LEAD)):

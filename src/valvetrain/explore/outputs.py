@@ -211,27 +211,27 @@ class Outputs:
         spring_models: Any = (),
         spring_set: Sequence[str] | str = (),
         rest_model: str = "",
-        limit_speeds: Sequence[Mapping[str, Any] | LimitSearch] = (),
+        limit_speeds: Iterable[Mapping[str, Any] | LimitSearch] = (),
         function: Callable[..., Any] | None = None,
     ) -> None:
         named = (quantities, model_names(spring_models), spring_set)
         names, models, sets = (
             tuple(dict.fromkeys([one] if isinstance(one, str) else one)) for one in named
         )
-        if not names and not limit_speeds:
-            raise InputError("name one output or more", "outputs")
+        limits = tuple(
+            one if isinstance(one, LimitSearch) else limit_search(**one) for one in limit_speeds
+        )
+        if not names and not limits:
+            raise InputError("name one output or more")
         for name in names if function is None else ():
             if not is_defined(name):
-                raise InputError(no_quantity(name), "outputs")
+                raise InputError(no_quantity(name))
             refuse_limit_name(name)
         speeds = engine_speeds
         if speeds is not None and not (
             isinstance(speeds, tuple) and all(isinstance(one, float) for one in speeds)
         ):
             speeds = si_speeds(speeds)
-        limits = tuple(
-            one if isinstance(one, LimitSearch) else limit_search(**one) for one in limit_speeds
-        )
         for name, value in zip(
             self.__dataclass_fields__,
             (names, speeds, models, sets, rest_model, limits, function),

@@ -87,14 +87,19 @@ def spread(varied: Sequence[Varied], shares: Array) -> Array:
     return Space(varied).points(shares)
 
 
-def _drawn(cube: Callable[[int, int, int], Array]) -> Draw:
-    """The points of a design ``cube(quantities, count, seed)`` in the unit cube."""
+def _drawn(
+    word: str,
+    name: str,
+    cube: Callable[[int, int, int], Array],
+    options: type[CountedOptions] = CountedOptions,
+) -> SamplerSpec:
+    """The sampler of a design ``cube(quantities, count, seed)`` in the unit cube."""
 
-    def draw(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-        assert isinstance(options, CountedOptions)
-        return spread(varied, cube(len(varied), options.count, options.seed))
+    def draw(varied: Sequence[Varied], given: SamplerOptions) -> Array:
+        assert isinstance(given, CountedOptions)
+        return spread(varied, cube(len(varied), given.count, given.seed))
 
-    return draw
+    return SamplerSpec(word, name, options, draw, independent=True)
 
 
 class GridOptions(SamplerOptions):
@@ -132,14 +137,13 @@ class ListOptions(SamplerOptions):
 
 def _list(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     assert isinstance(options, ListOptions)
-    columns = []
     for one in varied:
         if not isinstance(one.distribution, Values):
             raise InputError(
                 "is in a list of points, so it needs its values one by one; give 'values'",
                 one.name,
             )
-        columns.append(one.distribution.values)
+    columns = [one.distribution.levels(0) for one in varied]
     lengths = [len(column) for column in columns]
     if len(set(lengths)) > 1:
         raise InputError(
@@ -206,30 +210,18 @@ class SaltelliOptions(CountedOptions):
     )
 
 
-LATIN_HYPERCUBE_SPEC = SamplerSpec(
+LATIN_HYPERCUBE_SPEC = _drawn(
     "latin-hypercube",
     "Latin hypercube",
-    CountedOptions,
-    _drawn(lambda size, count, seed: latin_hypercube(count, size, seed)),
-    independent=True,
+    lambda size, count, seed: latin_hypercube(count, size, seed),
 )
-SOBOL_SPEC = SamplerSpec(
-    "sobol", "Sobol's sequence", CountedOptions, _drawn(sequence), independent=True
-)
-MONTE_CARLO_SPEC = SamplerSpec(
+SOBOL_SPEC = _drawn("sobol", "Sobol's sequence", sequence)
+MONTE_CARLO_SPEC = _drawn(
     "monte-carlo",
     "random draws",
-    CountedOptions,
-    _drawn(lambda size, count, seed: np.random.default_rng(seed).random((count, size))),
-    independent=True,
+    lambda size, count, seed: np.random.default_rng(seed).random((count, size)),
 )
-SALTELLI_SPEC = SamplerSpec(
-    "saltelli",
-    "Saltelli's design for Sobol indices",
-    SaltelliOptions,
-    _drawn(saltelli),
-    independent=True,
-)
+SALTELLI_SPEC = _drawn("saltelli", "Saltelli's design for Sobol indices", saltelli, SaltelliOptions)
 
 
 @dataclass(frozen=True, eq=False)
