@@ -39,7 +39,9 @@ def case_is_measured(text: FileText[OptimumModel]) -> None:
     assert search_cost(plan, 2).seconds < 600  # within the usual bound
     case = case_of_plan(plan)
     with Engine([plan.evaluation], 1, None) as engine:
-        (measured,) = measure_designs(engine, plan.evaluation, [case], plan.measures, plan.rest_model)
+        (measured,) = measure_designs(
+            engine, plan.evaluation, [case], plan.measures, plan.rest_model
+        )
     assert (
         not measured.failure
         and set(measured.values) == set(plan.measures)

@@ -75,7 +75,7 @@ vary = [{ key = "spring.precompression", low = "2 mm", high = "20 mm" }]
 search = { trials = 24 }
 """
     found = vt.optimise(text, workers=1)
-    (other,) = found.best.confirmed
+    (other,) = found.confirmed
     value = float(found.best.trial.values[0])
     rod = vt.Case("gu2021-beehive-blind").study(
         {"spring.precompression": [value]}, "preload", workers=1

@@ -5,7 +5,6 @@ file of a design name them.
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ import pytest
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
+from valvetrain.explore.optimum import Optimum, case_text
 from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.explore.search import Trial
 
@@ -44,8 +43,7 @@ def search(made: list[tuple[float, float]]) -> Optimum:
         )
         for place, (mass, rate) in enumerate(made)
     )
-    found = Optimum(plan, trials[0], trials)
-    return replace(found, designs=chosen_designs(found))
+    return Optimum(plan, trials)
 
 
 def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_each():

@@ -88,7 +88,7 @@ def by_another(found: Optimum, share: float) -> Optimum:
     value = before + share * (after - before)
     other = replace(best.trial, measured=Measured({**best.trial.measured.values, goal: value}, {}))
     confirmed = (Confirmed("a finer mesh", found.case, other),)
-    return replace(found, designs=(replace(best, confirmed=confirmed), *found.designs[1:]))
+    return replace(found, confirmed=confirmed)
 
 
 def barred(found: Optimum, share: float) -> Optimum:
@@ -101,10 +101,10 @@ def barred(found: Optimum, share: float) -> Optimum:
 def missing(found: Optimum) -> Optimum:
     """The search with another model by which the best design misses the bound on the rate."""
     found = by_another(found, 1.0)
-    (one,), bound = found.best.confirmed, found.plan.constraints[0]
+    (one,), bound = found.confirmed, found.plan.constraints[0]
     measured = Measured({**one.design.measured.values, bound.measure: 0.5 * bound.bound}, {})
     one = replace(one, design=replace(one.design, measured=measured))
-    return replace(found, designs=(replace(found.best, confirmed=(one,)),))
+    return replace(found, confirmed=(one,))
 
 
 def doubted(text: str) -> Optimum:

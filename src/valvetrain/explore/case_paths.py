@@ -30,7 +30,6 @@ from valvetrain.units import (
 CURVE_KEYS = ("values", "clearances", "level")
 #: Tables of a case whose values may be varied.
 MOVING = ("spring", "lift_law", "operation", "train", "rubbing", "points")
-_UNIT = re.compile(r"[^\d\s.,+\-eE][^,]*\Z")
 
 
 def as_written(value: float, unit: str) -> Any:
@@ -87,9 +86,9 @@ def _moved(number: float, varied: Varied, value: float) -> float:
 
 def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     """Numbers (SI) of a text such as ``"0, 1.5 mm"`` and their SI unit."""
-    unit = _UNIT.search(text.strip())
+    unit = unit_of(text)
     numeric = re.match(r"\s*[-+.]?\d", text)
-    dimension = None if not numeric else dimension_of(unit[0].strip()) if unit else "ratio"
+    dimension = None if not numeric else dimension_of(unit) if unit else "ratio"
     if dimension is None:
         raise InputError(
             f"is in the case '{text[:40]}', which is no number with a unit; vary its value",

@@ -114,24 +114,17 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
             instead := problem.members[0].instead
         ) != by_case:  # no point by another model than its neighbours
             raise InputError(f"{instead}; name spring_models, such as multi-mass", "spring_models")
-    member, engine_speed, request = problem.members[0], point.speed, point.request
+    member, request = problem.members[0], point.request
     if member.refusal:
         raise InputError(member.refusal)
-    moves = engine_speed is not None and request.motion and problem.moves
-    if moves:
-        assert engine_speed is not None
+    engine_speed = point.speed if request.motion and problem.moves else None
+    if engine_speed is not None:
         refuse_speeds(problem, (engine_speed,))
         refuse_implausible(problem, (engine_speed,))
-    if problem.kind == TRAIN:
-        status, values = _train(problem, member, engine_speed if moves else None, request)
-    else:
-        status, values = _spring(problem, member, engine_speed if moves else None, request)
-    chosen = (
-        values
-        if not request.outputs
-        else {name: values[name] for name in request.outputs if name in values}
-    )
-    return Outcome(status, {name: float(value) for name, value in chosen.items()})
+    compute = _train if problem.kind == TRAIN else _spring
+    status, values = compute(problem, member, engine_speed, request)
+    names = request.outputs or values
+    return Outcome(status, {name: float(values[name]) for name in names if name in values})
 
 
 @lru_cache(maxsize=4)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, measure_designs
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.optimum import Confirmed, Optimum, chosen_designs
+from valvetrain.explore.optimum import Confirmed, Optimum
 from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
 from valvetrain.explore.space import Array
@@ -85,20 +86,15 @@ class _Search:
             self.trials.append(case)
             search_from(self.plan, case, self.round)
             made = self.optimum()
-            if made.best is not None:
-                first = replace(made.best, confirmed=self.confirmed(made.best.trial))
-                made = replace(made, designs=(first, *made.designs[1:]))
-            return replace(
-                made,
+            return self.optimum(
+                confirmed=self.confirmed(made),
                 error_bars=self.error_bars(made),
                 doubt=self.doubt(made),
-                computed=self.points.computed,
-                seconds=time.perf_counter() - self.begun,
             )
         except KeyboardInterrupt:
             if not self.trials:
                 raise
-            raise Interrupted(replace(self.optimum(), finished=False)) from None
+            raise Interrupted(self.optimum(finished=False)) from None
 
     def case(self, plan: OptimumPlan) -> Trial:
         """The case as given, trial 0, with the bounds that are shares of its numbers."""
@@ -145,17 +141,16 @@ class _Search:
             self.progress(min(0.97, done / total), f"{done} of {total} trials, {text}")
         return self.trials[before:]
 
-    def optimum(self) -> Optimum:
-        """The trials so far, and the best of them."""
-        seconds = time.perf_counter() - self.begun
-        made = Optimum(
-            self.plan, self.trials[0], tuple(self.trials), computed=self.points.computed, seconds=seconds,
-        )  # fmt: skip
-        return replace(made, designs=chosen_designs(made))
+    def optimum(self, **more: Any) -> Optimum:
+        """The trials so far, and what is known of the best of them."""
+        seconds, computed = time.perf_counter() - self.begun, self.points.computed
+        return Optimum(self.plan, tuple(self.trials), computed=computed, seconds=seconds, **more)
 
-    def confirmed(self, best: Trial) -> tuple[Confirmed, ...]:
+    def confirmed(self, found: Optimum) -> tuple[Confirmed, ...]:
         """The case and the best design by other models, each against the bounds by that model."""
-        made = []
+        if found.best is None:
+            return ()
+        made, best = list[Confirmed](), found.best.trial
         for label, plan in self.plan.confirmations.items():
             self.progress(0.98, f"confirming by {label}")
             case = design = self.case(plan)
@@ -172,7 +167,6 @@ class _Search:
         if trial is None or not runs:
             return ()
         self.progress(0.99, "error bars")
-        trial = trial if made.best is None else made.best.trial
         values = trial.values.tolist() if trial.number else []
         searched = {one.quantity for one in plan.measures}
         every = (row for run in runs for row in plan.evaluation.error_bars(values, run))

@@ -45,23 +45,22 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """One of the chosen designs: its ``trial``, why it was ``chosen``, and what other models say of it."""
+    """One of the chosen designs: its ``trial``, and why it was ``chosen``."""
 
     trial: Trial
     chosen: str
-    confirmed: tuple[Confirmed, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum(Reported):
-    """``trials`` in order, the ``case`` itself first; chosen ``designs``, the best
-    first.
+    """``trials`` in order, the case itself first.
 
     ``computed``: points that this call
     computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
-    whether it was not stopped before its end. ``error_bars``: of the numbers of the best design that are searched for, or
+    whether it was not stopped before its end. ``confirmed``: what other models say of the
+    best design. ``error_bars``: of the numbers of the best design that are searched for, or
     of the one that comes nearest. ``doubt``: what is unusual about the values of the best design. A search that was
-    stopped has neither.
+    stopped has none of these.
 
     >>> import valvetrain as vt
     >>> found = vt.optimise('''
@@ -79,14 +78,36 @@ class Optimum(Reported):
     report_word = "points"
 
     plan: OptimumPlan
-    case: Trial
     trials: tuple[Trial, ...]
-    designs: tuple[Design, ...] = ()
     computed: int = 0
     seconds: float = 0.0
     finished: bool = True
+    confirmed: tuple[Confirmed, ...] = ()
     error_bars: tuple[Uncertainty, ...] = ()
     doubt: str = ""
+
+    @property
+    def case(self) -> Trial:
+        """The case itself, by which bounds may be set."""
+        return self.trials[0]
+
+    @cached_property
+    def designs(self) -> tuple[Design, ...]:
+        """The chosen designs, the best first: of several objectives the balanced one of the front, then the best one by each."""
+        front, goals = self.front, self.plan.objectives
+        if len(goals) == 1:
+            best = best_of(self.trials)
+            return () if best is None else (Design(best, "the best"),)
+        if not front:
+            return ()
+        costs = np.array([one.costs for one in front])
+        width = np.ptp(costs, axis=0)
+        away = np.sum(((costs - costs.min(axis=0)) / np.where(width > 0, width, 1.0)) ** 2, axis=1)
+        words = "balanced: nearest to the best of every objective, each over its span on the front"
+        designs = {int(np.argmin(away)): words}
+        for place, goal in zip(np.argmin(costs, axis=0).tolist(), goals, strict=True):
+            designs.setdefault(place, f"best {goal.measure.label}")
+        return tuple(Design(front[place], text) for place, text in designs.items())
 
     @property
     def best(self) -> Design | None:
@@ -165,7 +186,11 @@ class Optimum(Reported):
 
     @property
     def nearest(self) -> Trial | None:
-        """The design that misses its bounds by least; None where none could be computed."""
+        """The best design, or where none meets every bound the one that misses them by least; None where none could be
+        computed.
+        """
+        if self.best is not None:
+            return self.best.trial
         first = min(self.trials, key=lambda one: one.rank)
         return None if first.failure else first
 
@@ -178,28 +203,6 @@ class Optimum(Reported):
         cut = "" if self.finished else ", stopped before its end"
         done = f"{len(self.trials)} trials, {self.feasible} feasible{cut}"
         return verdict_first(self, [f"search '{self.plan.title}': {done}"])
-
-
-def chosen_designs(found: Optimum) -> tuple[Design, ...]:
-    """The best design; of several objectives the balanced one of the front, then the best one by
-    each objective.
-    """
-    front, goals = found.front, found.plan.objectives
-    if len(goals) == 1:
-        best = best_of(found.trials)
-        return () if best is None else (Design(best, "the best"),)
-    if not front:
-        return ()
-    costs = np.array([one.costs for one in front])
-    width = np.ptp(costs, axis=0)
-    away = np.sum(((costs - costs.min(axis=0)) / np.where(width > 0, width, 1.0)) ** 2, axis=1)
-    words = "balanced: nearest to the best of every objective, each over its span on the front"
-    designs = [Design(front[int(np.argmin(away))], words)]
-    for place, goal in enumerate(goals):
-        one = front[int(np.argmin(costs[:, place]))]
-        if all(one is not other.trial for other in designs):
-            designs.append(Design(one, f"best {goal.measure.label}"))
-    return tuple(designs)
 
 
 def case_text(found: Optimum, design: Design) -> str:

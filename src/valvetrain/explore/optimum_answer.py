@@ -93,7 +93,7 @@ class OptimumAnswer(ExploreAnswer):
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
             reach = "most" if goal.maximise else "least"
             yield Line(goal.measure.label, (*self._cells("objectives", place, self.result.case, trial), reach), "", ", ".join(remarks))  # fmt: skip
-            for one in self.result.best.confirmed if self.result.best is not None else ():
+            for one in self.result.confirmed:
                 yield Line(
                     f"by {one.label}", (*self._cells("objectives", place, one.case, one.design), "")
                 )
@@ -164,6 +164,7 @@ class OptimumAnswer(ExploreAnswer):
             "feasible_trials": result.feasible, "computed": result.computed, "varied": varied_of(plan.varied),
             "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
             "of_case": fields_of(result.case), "designs": fields_of(result.designs), "front": [one.number for one in result.front],
+            "confirmed": fields_of(result.confirmed),
             "uncertainties": [uncertainty_object(one) for one in result.error_bars],
             "completed": result.finished and result.best is not None, **rows_of(result.to_pandas()),
         }  # fmt: skip

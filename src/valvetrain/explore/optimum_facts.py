@@ -77,8 +77,7 @@ class SearchFacts(Subject):
     @property
     def trial(self) -> Trial | None:
         """The best design, or where none meets every bound the one that comes nearest."""
-        best = self.result.best
-        return self.result.nearest if best is None else best.trial
+        return self.result.nearest
 
     def gain(self, trial: Trial, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""

@@ -72,9 +72,9 @@ def itself(facts: SearchFacts) -> Hits:
 def denying(facts: SearchFacts) -> Confirmed | None:
     """The other model that confirms least of the gain, less than nine tenths; None where all confirm it."""
     best, case = facts.best, facts.result.case
-    if best is None or not case.feasible or not best.confirmed:
+    if best is None or not case.feasible or not facts.result.confirmed:
         return None
-    least = min(best.confirmed, key=lambda one: facts.gain(one.design, one.case))
+    least = min(facts.result.confirmed, key=lambda one: facts.gain(one.design, one.case))
     enough = (1 - CONFIRMED) * facts.gain(best.trial, case)
     return least if facts.gain(least.design, least.case) < enough else None
 
@@ -119,8 +119,7 @@ def cut(facts: SearchFacts) -> Hits:
 
 def other_model(facts: SearchFacts) -> Hits:
     """Bounds that the best design misses by another model, or that it cannot compute it."""
-    best = facts.result.best
-    for one in best.confirmed if best is not None else ():
+    for one in facts.result.confirmed:
         if one.design.failure:
             yield Hit(fields={"by": one.label, "why": one.design.failure}, severity=float("inf"))
             continue
@@ -135,8 +134,7 @@ def other_model(facts: SearchFacts) -> Hits:
 
 def confirmed(facts: SearchFacts) -> Hits:
     """Other models by which the best design meets every bound."""
-    best = facts.result.best
-    for one in best.confirmed if best is not None else ():
+    for one in facts.result.confirmed:
         if one.design.feasible and one.design.number:
             after = facts.said(facts.goal, float(one.design.objectives[0]), one.design)
             yield Hit(fields={"by": one.label, "name": facts.goal.label, "after": after})
@@ -164,9 +162,9 @@ def unresolved(facts: SearchFacts) -> Hits:
 
 def alone(facts: SearchFacts) -> Hits:
     """Runs by models that leave out parts of the spring, with no other to confirm them."""
-    best = facts.result.best
-    models = {run[1] for one in facts.result.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
-    if best is not None and not best.confirmed and models and not models & FULL:
+    result = facts.result
+    models = {run[1] for one in result.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
+    if result.best is not None and not result.confirmed and models and not models & FULL:
         yield Hit(fields={"model": joined(sorted(filter(None, models))) or "the model of the case"})
 
 

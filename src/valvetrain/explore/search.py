@@ -205,20 +205,23 @@ def search_from(plan: OptimumPlan, case: Trial, compute: Compute) -> None:
     search, size = plan.search, len(plan.varied)
     moving = [place for place, one in enumerate(plan.varied) if one.distribution.kind != "values"]
     local = int(search.local * search.trials) if len(plan.objectives) == 1 and moving else 0
-    proposals, trials, begin = _Proposals(plan), [case], plan.shares(case.values)
+    trials, begin = [case], plan.shares(case.values)
     rounds = -(-max(FIRST, FIRST_EACH * size) // search.per_round)
     first = list(
         latin_hypercube(min(search.trials, rounds * search.per_round), size, [search.seed, size])
     )
-    if begin is not None:
-        proposals.ask(1, [begin])
-        proposals.tell([case])
-    while (left := search.trials - local + 1 - len(trials)) > 0 or first:
-        points = proposals.ask(len(first) or min(search.per_round, left), first)
-        # the generations of NSGA-II hold infeasible designs too, with their objectives
-        made = compute(points, search.method != "nsga2")
-        proposals.tell(made)
-        trials, first = trials + made, []
+    with quiet_optuna() as optuna:
+        proposals = _Proposals(optuna, plan)
+        if begin is not None:
+            proposals.round([begin], 1, lambda points: [case])
+        while (left := search.trials - local + 1 - len(trials)) > 0 or first:
+            # the generations of NSGA-II hold infeasible designs too, with their objectives
+            trials += proposals.round(
+                first,
+                len(first) or min(search.per_round, left),
+                lambda points: compute(points, search.method != "nsga2"),
+            )
+            first = []
     able = [one for one in trials if not one.failure and plan.shares(one.values) is not None]
     budget = search.trials + 1 - len(trials)
     if local and able and budget > 0:
@@ -233,40 +236,42 @@ def search_from(plan: OptimumPlan, case: Trial, compute: Compute) -> None:
 class _Proposals:
     """Points of the unit cube that a sampler of Optuna proposes from what came of those before."""
 
-    def __init__(self, plan: OptimumPlan) -> None:
-        self.plan, self.requested = plan, list[Any]()
-        with quiet_optuna() as optuna:
-            options: dict[str, Any] = {"seed": plan.search.seed, "constraints_func": _missed}
-            if plan.search.method == "nsga2":
-                sampler = optuna.samplers.NSGAIISampler(
-                    population_size=plan.search.per_round, **options
-                )
+    def __init__(self, optuna: Any, plan: OptimumPlan) -> None:
+        options: dict[str, Any] = {"seed": plan.search.seed, "constraints_func": _missed}
+        if plan.search.method == "nsga2":
+            sampler = optuna.samplers.NSGAIISampler(
+                population_size=plan.search.per_round, **options
+            )
+        else:
+            sampler = optuna.samplers.TPESampler(
+                multivariate=True, constant_liar=True, n_startup_trials=2, **options
+            )
+        directions = ["minimize"] * len(plan.objectives)
+        self.study = optuna.create_study(directions=directions, sampler=sampler)
+        axis = optuna.distributions.FloatDistribution(0.0, 1.0)
+        self.axes = {f"{place:03d}": axis for place in range(len(plan.varied))}
+        self.no_number = optuna.trial.TrialState.PRUNED
+
+    def round(
+        self,
+        given: Sequence[Array],
+        count: int,
+        compute: Callable[[Sequence[Array]], list[Trial]],
+    ) -> list[Trial]:
+        """What comes of the next ``count`` points (d,), those that are ``given`` first; a trial without an objective counts as
+        infeasible without a number.
+        """
+        for point in given:
+            self.study.enqueue_trial(dict(zip(self.axes, map(float, point), strict=True)))
+        requested = [self.study.ask(self.axes) for _ in range(count)]
+        trials = compute([np.array([one.params[name] for name in self.axes]) for one in requested])
+        for one, trial in zip(requested, trials, strict=True):
+            one.set_user_attr("missed", trial.penalties)
+            if np.all(np.isfinite(trial.costs)):
+                self.study.tell(one, trial.costs.tolist())
             else:
-                sampler = optuna.samplers.TPESampler(
-                    multivariate=True, constant_liar=True, n_startup_trials=2, **options
-                )
-            directions = ["minimize"] * len(plan.objectives)
-            self.study = optuna.create_study(directions=directions, sampler=sampler)
-            axis = optuna.distributions.FloatDistribution(0.0, 1.0)
-            self.axes = {f"{place:03d}": axis for place in range(len(plan.varied))}
-
-    def ask(self, count: int, given: Sequence[Array] = ()) -> list[Array]:
-        """The next ``count`` points (d,), those that are ``given`` first."""
-        with quiet_optuna():
-            for point in given:
-                self.study.enqueue_trial(dict(zip(self.axes, map(float, point), strict=True)))
-            self.requested = [self.study.ask(self.axes) for _ in range(count)]
-        return [np.array([one.params[name] for name in self.axes]) for one in self.requested]
-
-    def tell(self, trials: Sequence[Trial]) -> None:
-        """What came of the points; one without an objective counts as infeasible without a number."""
-        with quiet_optuna() as optuna:
-            for requested, trial in zip(self.requested, trials, strict=True):
-                requested.set_user_attr("missed", trial.penalties)
-                if np.all(np.isfinite(trial.costs)):
-                    self.study.tell(requested, trial.costs.tolist())
-                else:
-                    self.study.tell(requested, state=optuna.trial.TrialState.PRUNED)
+                self.study.tell(one, state=self.no_number)
+        return trials
 
 
 class _Spent(Exception):
