@@ -10,13 +10,13 @@ import signal
 import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
+from unit.test_study_command import points_kept
 from valvetrain.explore.engine import Interrupted
 from valvetrain.explore.optimum import case_text
 from valvetrain.views.page import data_of
@@ -93,13 +93,7 @@ def kept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("light")
     (folder / "light.toml").write_text(LIGHT)
     answer = call(
-        "optimise",
-        str(folder / "light.toml"),
-        "--workers",
-        "1",
-        "--json",
-        "--output",
-        str(folder / "out"),
+        *f"optimise {folder / 'light.toml'} --workers 1 --json --output {folder / 'out'}".split()
     )
     assert answer.exit_code == 0, answer.stderr
     return folder / "out", json.loads(answer.stdout)
@@ -138,11 +132,7 @@ vary = [{{ key = "spring.precompression", values = "7 mm" }}]
 """,
         workers=1,
     )
-    assert outputs.values[0].tolist() == [
-        best.objectives[0],
-        best.constraints[0],
-        best.constraints[1],
-    ]
+    assert outputs.values[0].tolist() == [best.objectives[0], *best.constraints[:2]]
 
 
 def test_the_case_file_runs_what_was_searched(tmp_path):
@@ -192,11 +182,6 @@ def test_a_search_beyond_the_bound_is_refused_before_it_begins(file):
     assert not (file.parent / "runs").exists()
 
 
-def points_kept(folder: Path) -> int:
-    """Points in the store, read from outside: its whole lines without the first."""
-    return sum(path.read_bytes().count(b"\n") - 1 for path in folder.glob("points.jsonl"))
-
-
 @pytest.mark.long
 def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path):
     """Killed with one worker, ended with two, beside one that nobody disturbed."""
@@ -206,12 +191,7 @@ def test_a_search_that_is_killed_goes_on_with_the_same_bits_and_computes_nothing
     command = [
         sys.executable,
         *MODULE,
-        "optimise",
-        str(file),
-        "--output",
-        str(folder),
-        "--json",
-        "--workers",
+        *f"optimise {file} --output {folder} --json --workers".split(),
     ]
     with subprocess.Popen(
         [*command, "1"], cwd=tmp_path, env=process_environment(), stdout=subprocess.DEVNULL

@@ -17,8 +17,8 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
 from valvetrain.explore.files import FileText
-from valvetrain.explore.store import FILE, Store
 from valvetrain.explore.outputs import Run, Task
+from valvetrain.explore.store import FILE, Store
 from valvetrain.explore.study import StudyModel, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
@@ -124,14 +124,7 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
         assert began.returncode == code and (
             stop == signal.SIGKILL or b"points are stored in" in said
         )
-    ended = subprocess.run(
-        [sys.executable, *command],
-        cwd=tmp_path,
-        env=process_environment(),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    ended = subprocess.run([sys.executable, *command], cwd=tmp_path, env=process_environment(), capture_output=True, text=True, check=True)  # fmt: skip
     data = json.loads(ended.stdout)
     assert 0 < data["computed"] < 64 - 7  # eight were there and are not computed again
     whole = vt.study(text, workers=1)

@@ -86,26 +86,12 @@ def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(t
     text = TEXT.format(count=count)
     file, folder = tmp_path / "study.toml", tmp_path / "out"
     file.write_text(text)
-    command = [
-        sys.executable,
-        *MODULE,
-        "study",
-        str(file),
-        "--output",
-        str(folder),
-        "--workers",
-        "2",
-        "--dask",
-        "local",
-        "--json",
-    ]
-    began = subprocess.Popen(
-        command,
-        cwd=tmp_path,
-        env=process_environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+    words = f"study {file} --output {folder} --workers 2 --dask local --json"
+    command, here = (
+        [sys.executable, *MODULE, *words.split()],
+        {"cwd": tmp_path, "env": process_environment()},
     )
+    began = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **here)
     wait_until(lambda: kept(folder) >= 8 or began.poll() is not None, "the first points")
     assert began.poll() is None
     os.kill(workers_of(began.pid)[0], signal.SIGKILL)
@@ -118,15 +104,7 @@ def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(t
     began.kill()
     began.communicate(timeout=60)
     there = kept(folder)
-    done = subprocess.run(
-        command,
-        cwd=tmp_path,
-        env=process_environment(),
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=True,
-    )
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, **here)
     data = json.loads(done.stdout)
     assert data["computed"] == count - there > 0
     alone = vt.study(text, workers=1)
@@ -136,13 +114,9 @@ def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(t
 
 def test_a_cluster_by_its_address_gives_the_bits_of_one_process():
     """In threads of this process, so that nothing is started."""
-    import distributed
-
     text = TEXT.format(count=4).replace("multi-mass", "massless").replace(', "clash_count"', "")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
-    ) as cluster:
-        found = vt.study(text, dask=cluster.scheduler_address, workers=1)
+    with threads_of_this_process(1) as address:
+        found = vt.study(text, dask=address, workers=1)
     alone = vt.study(text, workers=1)
     assert np.array_equal(found.values, alone.values, equal_nan=True) and set(found.statuses) == {
         COMPLETED
@@ -171,12 +145,10 @@ def threads_of_this_process(count: int) -> Iterator[str]:
     """Address of a cluster for which nothing is started."""
     import distributed
 
+    options = {"processes": False, "dashboard_address": None, "silence_logs": 50}
+    workers = min(count, 1)
     with distributed.LocalCluster(
-        n_workers=1,
-        threads_per_worker=count,
-        processes=False,
-        dashboard_address=None,
-        silence_logs=50,
+        n_workers=workers, threads_per_worker=count, **options
     ) as cluster:
         yield cluster.scheduler_address
 
@@ -266,14 +238,10 @@ def test_estimates_are_made_by_the_workers_of_the_cluster(monkeypatch):
 
 
 def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
-    import distributed
-
     monkeypatch.setattr("valvetrain.runs.cluster.PATIENCE", 2.0)
-    with distributed.LocalCluster(
-        n_workers=0, processes=False, dashboard_address=None, silence_logs=50
-    ) as cluster:
+    with threads_of_this_process(0) as address:
         with pytest.raises(vt.InputError, match="has no workers; start some"):
-            vt.study(TEXT.format(count=2), dask=cluster.scheduler_address)
+            vt.study(TEXT.format(count=2), dask=address)
 
 
 def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_path):
@@ -291,19 +259,8 @@ def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_pa
         [*dask, "scheduler", "--scheduler-file", str(file), "--port", "0", "--no-dashboard"],
         **options,
     )
-    worker = subprocess.Popen(
-        [
-            *dask,
-            "worker",
-            "--scheduler-file",
-            str(file),
-            "--nthreads",
-            "1",
-            "--no-nanny",
-            "--no-dashboard",
-        ],
-        **options,
-    )
+    words = f"worker --scheduler-file {file} --nthreads 1 --no-nanny --no-dashboard"
+    worker = subprocess.Popen([*dask, *words.split()], **options)
     try:
         wait_until(file.is_file, "the scheduler's file")
         finished: list[int] = []
@@ -343,11 +300,5 @@ def test_a_study_without_dask_never_loads_it(tmp_path):
     file.write_text(
         TEXT.format(count=2).replace("multi-mass", "massless").replace(', "clash_count"', "")
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(file)],
-        capture_output=True,
-        text=True,
-        env=process_environment(),
-        check=True,
-    )
+    done = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True, text=True, env=process_environment(), check=True)  # fmt: skip
     assert done.stdout.strip() == "[]"

@@ -103,7 +103,7 @@ def test_a_model_that_lacks_the_quantity_is_refused_before_the_first_point(folde
         study(folder, text + LIMIT.format("clash", "5000, 6000 rpm"))
     assert not computed
     pair = '[[limit_speed]]\nquantity = "outer_peak_spring_force"\nat_most = "1 kN"\nengine_speeds = "5000, 6000 rpm"\n'
-    with pytest.raises(vt.InputError, match="outer .*by massless"):
+    with pytest.raises(vt.InputError, match=r"outer .*by massless"):
         study(folder, text + pair)
     assert len(computed) == 1
 

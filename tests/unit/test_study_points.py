@@ -113,23 +113,11 @@ def test_speeds_of_a_case_are_not_varied_without_effect(key):
 @pytest.mark.parametrize(
     ("name", "file_key", "object_key", "value", "unit"),
     [
-        (
-            "gu2021-beehive-blind",
-            "spring.wire_diameter",
-            "springs.0.wire.wire_diameter",
-            3.8e-3,
-            "mm",
-        ),
+        ("gu2021-beehive-blind", "spring.wire_diameter", "springs.0.wire.wire_diameter", 3.8e-3, "mm"),
         ("gu2021-beehive-blind", "spring.precompression", "springs.0.precompression", 6e-3, "mm"),
-        (
-            "vaz-ohc",
-            "train.springs.nested.1.wire_diameter",
-            "train.springs.nested.1.wire.wire_diameter",
-            2.5e-3,
-            "mm",
-        ),
+        ("vaz-ohc", "train.springs.nested.1.wire_diameter", "train.springs.nested.1.wire.wire_diameter", 2.5e-3, "mm"),
     ],
-)
+)  # fmt: skip
 def test_keys_of_files_and_of_case_objects_name_the_same_value(
     name, file_key, object_key, value, unit
 ):

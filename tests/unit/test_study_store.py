@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from pathlib import Path
@@ -48,11 +47,6 @@ def held(folder, count) -> None:
         assert all(store.outcome(key(number)) == outcome(number) for number in range(count))
 
 
-def test_points_come_back_to_the_last_bit_with_status_and_sentence(tmp_path):
-    filled(tmp_path, range(40))
-    held(tmp_path, 40)
-
-
 def test_a_store_that_is_not_closed_loses_nothing(tmp_path):
     """As after SIGKILL: every point is in the file once ``add`` has returned."""
     left = filled(tmp_path, range(300), close=False)
@@ -93,14 +87,6 @@ def test_two_processes_do_not_work_on_one_store(tmp_path):
         with pytest.raises(InputError, match="another process"):
             Store(tmp_path)
     Store(tmp_path).close()
-
-
-def test_a_line_is_text_that_people_can_read(tmp_path):
-    filled(tmp_path, [5])
-    line = (tmp_path / FILE).read_text().splitlines()[0].partition(" ")[2]
-    assert json.loads(line)[1] == {
-        "peak_spring_force": 5 * math.pi, "clash_count": math.sqrt(5)
-    }  # fmt: skip
 
 
 def test_points_grow_stale_with_what_computes_and_not_with_pages_and_commands():
