@@ -11,8 +11,8 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.explore.files import FileText, VaryModel
-from valvetrain.explore.requests import Study
 from valvetrain.explore.outputs import Task
+from valvetrain.explore.requests import Study
 from valvetrain.explore.study import StudyModel, read_plan
 
 ROOT = Path(__file__).parents[2]

@@ -124,7 +124,10 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
         assert began.returncode == code and (
             stop == signal.SIGKILL or b"points are stored in" in said
         )
-    ended = subprocess.run([sys.executable, *command], cwd=tmp_path, env=process_environment(), capture_output=True, text=True, check=True)  # fmt: skip
+    here = {"cwd": tmp_path, "env": process_environment()}
+    ended = subprocess.run(
+        [sys.executable, *command], capture_output=True, text=True, check=True, **here
+    )
     data = json.loads(ended.stdout)
     assert 0 < data["computed"] < 64 - 7  # eight were there and are not computed again
     whole = vt.study(text, workers=1)

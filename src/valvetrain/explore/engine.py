@@ -10,6 +10,7 @@ import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -22,7 +23,7 @@ from valvetrain.explore.case_paths import unit_in_case
 from valvetrain.explore.evaluate import Point, bars_of, evaluate
 from valvetrain.explore.limit_speed import limit_outcome
 from valvetrain.explore.outputs import Outcome, Outputs, Run, Task
-from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Space
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.parameters.case import Case, content
 from valvetrain.parameters.case_changes import tables_of
@@ -199,27 +200,20 @@ class Evaluation(Computation):
 def with_case_units(case: Case, space: Space) -> Space:
     """The space with the units of the case for quantities that give none."""
 
-    def unit_of(one: Varied) -> str:
-        if one.unit or one.operation == "factor":
-            return one.unit
-        if one.key == ENGINE_SPEED:
-            return "rpm"
-        try:
-            return unit_in_case(case, one.key)
-        except InputError:  # not in the case: a plain number, or refused when it is set
-            return ""
-
-    varied = [
-        replace(one, unit=unit) if (unit := unit_of(one)) != one.unit else one for one in space
-    ]
-    for one in varied:
-        given = one.distribution.dimension
-        due = one.dimension if one.unit or one.operation == "factor" else given
-        if given not in (None, due):
+    varied = []
+    for one in space:
+        unit = one.unit
+        if not unit and one.operation != "factor":
+            with suppress(InputError):  # not in the case: a plain number, or refused when it is set
+                unit = "rpm" if one.key == ENGINE_SPEED else unit_in_case(case, one.key)
+        made = replace(one, unit=unit)
+        given = made.distribution.dimension
+        if (unit or one.operation == "factor") and given not in (None, made.dimension):
             raise InputError(
-                f"its distribution has the dimension {given}, the quantity {due}; correct the units",
+                f"its distribution has the dimension {given}, the quantity {made.dimension}; correct the units",
                 one.key,
             )
+        varied.append(made)
     return Space(varied)
 
 

@@ -5,7 +5,6 @@ that the case has.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case, vary
@@ -40,7 +39,6 @@ OF_TRAIN = {
 SHARES = (0.6, 0.8, 1.0)
 #: Lashes that are tried, over that of the case or (mm) a usual one.
 LASHES, USUAL_LASH = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 0.2
-_COIL_BIND = '\n[[constraint]]\nquantity = "coil_bind_clearance"\nat_least = "1 mm"'
 _MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
 
 
@@ -73,10 +71,8 @@ def request_text(kind: str, case: Case, name: str) -> str:
 
     Raises :class:`InputError` where the case has no lift, no train, no wire or nothing that may be varied.
     """
-    lines = {"study": _study, "lash": _lash, "optimise": _search, "identify": _identification}[
-        kind
-    ](case)
-    return "\n".join([*lines[:2], f"case = {inline(name)}", *lines[2:]]) + "\n"
+    texts = {"study": _study, "lash": _lash, "optimise": _search, "identify": _identification}
+    return texts[kind](case, inline(name))
 
 
 def _top(case: Case) -> float:
@@ -90,66 +86,89 @@ def _top(case: Case) -> float:
     return to_unit(top, "rpm")
 
 
-def _varied(keys: dict[str, str], low: float, high: float) -> Iterator[str]:
-    for key, label in keys.items():
-        yield from ("", "[[vary]]", f"key = {inline(key)}", 'as = "factor" # of the case')
-        yield from (f"low = {low}", f"high = {high}", f"label = {inline(label)}")
+def _varied(keys: dict[str, str], low: float, high: float) -> str:
+    return "".join(
+        f"""
+[[vary]]
+key = {inline(key)}
+as = "factor" # of the case
+low = {low}
+high = {high}
+label = {inline(label)}
+"""
+        for key, label in keys.items()
+    )
 
 
-def _study(case: Case) -> list[str]:
+def _study(case: Case, name: str) -> str:
     keys = levers(case)
     outputs = inline(list(_MOTION[case.train is not None]))
-    return [
-        "# What decides? Each quantity from 0.9 to 1.1 of its value in the case; the answer ranks them.",
-        "#\n#     valvetrain study NAME.toml\n",
-        f'engine_speeds = "{_top(case):.6g} rpm"',
-        f"outputs = {outputs} # valvetrain quantities lists all",
-        f'points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks',
-        *_varied(keys, 0.9, 1.1),
-    ]
+    return f"""# What decides? Each quantity from 0.9 to 1.1 of its value in the case; the answer ranks them.
+#
+#     valvetrain study NAME.toml
+
+case = {name}
+engine_speeds = "{_top(case):.6g} rpm"
+outputs = {outputs} # valvetrain quantities lists all
+points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks
+{_varied(keys, 0.9, 1.1)}"""
 
 
-def _lash(case: Case) -> list[str]:
+def _lash(case: Case, name: str) -> str:
     """Where and how fast the valve lands, over lash and engine speed."""
     if case.train is None:
         raise InputError("a spring alone has no lash; give the case of an engine", "--case")
     speeds = ", ".join(f"{share * _top(case):.0f}" for share in SHARES)
     usual = to_unit(case.train.lash, "mm") or USUAL_LASH
     lashes = ", ".join(f"{share * usual:.4g}" for share in LASHES)
-    return [
-        "# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts.",
-        "#\n#     valvetrain study NAME.toml\n",
-        'outputs = ["seating_velocity", "seating_cam_angle", "bounce_height"]',
-        'points = { sampler = "grid" }',
-        f'\n[[vary]]\nkey = "engine_speed"\nvalues = "{speeds} rpm"',
-        f'\n[[vary]]\nkey = "train.lash"\nvalues = "{lashes} mm"\nlabel = "lash"',
-    ]
+    return f"""# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts.
+#
+#     valvetrain study NAME.toml
+
+case = {name}
+outputs = ["seating_velocity", "seating_cam_angle", "bounce_height"]
+points = {{ sampler = "grid" }}
+
+[[vary]]
+key = "engine_speed"
+values = "{speeds} rpm"
+
+[[vary]]
+key = "train.lash"
+values = "{lashes} mm"
+label = "lash"
+"""
 
 
-def _search(case: Case) -> list[str]:
+def _search(case: Case, name: str) -> str:
     """The lightest load on the cam that keeps control; of a spring alone the least peak force."""
     names = tuple(OF_SPRING.values())
     keys = {key: label for key, label in levers(case).items() if label in names}
-    train = case.train is not None
     spring = (case.train.spring_parts() if case.train else case.springs)[0]
-    bound = "minimum_cam_contact_force" if train else "preload"
-    least = '"50 N" # what is to stay on the cam' if train else '"1.0 x case"'
-    return [
-        "# The best spring within bounds: the least peak force that keeps what is asked.",
-        "#\n#     valvetrain optimise NAME.toml\n",
-        f'engine_speeds = "{_top(case):.6g} rpm"',
-        "search = { trials = 60 }",
-        "\n[[objective]]",
-        f'quantity = "{"peak_cam_contact_force" if train else "peak_spring_force"}"',
-        'direction = "minimise"',
-        "\n[[constraint]]",
-        f'quantity = "{bound}"\nat_least = {least}',
-        *([] if spring.solid_height is None else [_COIL_BIND]),
-        *_varied(dict(list(keys.items())[:3]), 0.8, 1.25),
-    ]
+    force, bound = "peak_spring_force", 'preload"\nat_least = "1.0 x case"'
+    if case.train:
+        force = "peak_cam_contact_force"
+        bound = 'minimum_cam_contact_force"\nat_least = "50 N" # what is to stay on the cam'
+    if spring.solid_height is not None:
+        bound += '\n\n[[constraint]]\nquantity = "coil_bind_clearance"\nat_least = "1 mm"'
+    return f"""# The best spring within bounds: the least peak force that keeps what is asked.
+#
+#     valvetrain optimise NAME.toml
+
+case = {name}
+engine_speeds = "{_top(case):.6g} rpm"
+search = {{ trials = 60 }}
+
+[[objective]]
+quantity = "{force}"
+direction = "minimise"
+
+[[constraint]]
+quantity = "{bound}
+{_varied(dict(list(keys.items())[:3]), 0.8, 1.25)}"""
 
 
-def _identification(case: Case) -> list[str]:
+def _identification(case: Case, name: str) -> str:
     spring = (case.train.spring_parts() if case.train else case.springs)[0]
     if spring.wire is None:
         raise InputError(
@@ -157,24 +176,39 @@ def _identification(case: Case) -> list[str]:
             "--case",
         )
     table = f"train.springs.{case.train.spring_set}.0" if case.train else "spring"
-    keys = [key for key in ("wire_diameter", "total_coils") if _moves(case, f"{table}.{key}")]
     curve = curve_by_model(spring, "wave-rod", 0.0, None, 8)
     places = (1e3 * (spring.wire.free_length - at) for at in curve.compression[3:])
     heights, forces = (", ".join(f"{at:.4g}" for at in row) for row in (places, curve.force[3:]))
-    lines = [
-        "# Wire and turns of a spring from the loads of a tester.",
-        "#\n#     valvetrain identify NAME.toml\n",
-        "\n# The loads are those of the case: put yours, and their scatter, in their place.",
-        f'[measurements.loads]\nheights = "{heights} mm"\nforces = "{forces} N"\nscatter = "1 %"\nspring_model = "wave-rod"',
-    ]
-    for key in keys:
+    text = f"""# Wire and turns of a spring from the loads of a tester.
+#
+#     valvetrain identify NAME.toml
+
+case = {name}
+
+# The loads are those of the case: put yours, and their scatter, in their place.
+[measurements.loads]
+heights = "{heights} mm"
+forces = "{forces} N"
+scatter = "1 %"
+spring_model = "wave-rod"
+"""
+    wire = spring.wire
+    for key, value in (
+        ("wire_diameter", wire.wire_diameter.value(0.0)),
+        ("total_coils", wire.total_coils),
+    ):
+        if not _moves(case, f"{table}.{key}"):
+            continue
         unit = unit_in_case(case, f"{table}.{key}")
-        value = spring.wire.wire_diameter.value(0.0) if unit else spring.wire.total_coils
-        scale = 1e3 if unit else 1.0
-        low, high = (f"{share * value * scale:.4g}{' mm' * bool(unit)}" for share in (0.95, 1.05))
-        lines += [f"\n[quantities.{key}]", f'key = "{table}.{key}"', 'prior = "uniform"']
-        lines += [
-            f"low = {inline(low) if unit else low}",
-            f"high = {inline(high) if unit else high}",
-        ]
-    return lines
+        low, high = (
+            inline(f"{1e3 * share * value:.4g} mm") if unit else f"{share * value:.4g}"
+            for share in (0.95, 1.05)
+        )
+        text += f"""
+[quantities.{key}]
+key = "{table}.{key}"
+prior = "uniform"
+low = {low}
+high = {high}
+"""
+    return text
