@@ -48,7 +48,7 @@ class Observed(Computation):
     targets: tuple[Target, ...]
 
     @cached_property
-    def runs(self) -> tuple[Run, ...]:
+    def tasks(self) -> tuple[Run, ...]:
         """Conditions of the targets, each once."""
         return tuple(dict.fromkeys(one.station for one in self.targets))
 
@@ -57,12 +57,12 @@ class Observed(Computation):
         """Case, keys, targets and versions."""
         return [self.case.record().digest, self.varied, self.targets, versions_digest()]
 
-    def evaluate(self, values: Iterable[float], task: Any) -> Outcome:
-        """Values of the targets under all conditions, by key."""
+    def evaluate(self, values: Iterable[float], task: Sequence[Any]) -> Outcome:
+        """Values of the targets under the conditions of a task, by key."""
         pairs = zip(self.varied, values, strict=True)
         try:
             case = vary(self.case, {one: value for row, value in pairs for one in row})
-            numbers = numbers_of(case, Run(*run), self.targets)
+            numbers = numbers_of(case, Run(*task), self.targets)
         except FAILURES as error:
             return Outcome(Status("refused", reason(error)))
         return Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
