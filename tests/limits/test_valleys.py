@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 import valvetrain as vt
-from valvetrain.views.results import answer_of
+from valvetrain.views.results import answer_of, figures_of
 
 pytest.importorskip("optuna")
 EVEN = vt.explore.Prior("uniform", 0.0, 1.0)
@@ -42,6 +42,9 @@ def test_a_valley_is_told_by_the_designs_as_good() -> None:
     assert float(found.best.trial.objectives[0]) == pytest.approx(1.0, abs=0.01)
     assert facts.alike(0) and facts.alike(1) and not facts.alike(2)
     assert "O128" in answer_of(found).findings.codes
+    # of more than two quantities the designs are drawn over the trials, the best of them as a star
+    star = figures_of(answer_of(found))["designs"].data[-1]
+    assert (star.name, list(star.x)) == ("best", [found.best.trial.number])
 
 
 def test_where_every_quantity_is_settled_no_valley_is_told() -> None:

@@ -93,10 +93,12 @@ class OptimumAnswer(ExploreAnswer):
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
             reach = "most" if goal.maximise else "least"
             yield Line(goal.measure.label, (*self._cells("objectives", place, self.result.case, trial), reach), "", ", ".join(remarks))  # fmt: skip
-            for one in self.result.confirmed:
-                yield Line(
-                    f"by {one.label}", (*self._cells("objectives", place, one.case, one.design), "")
-                )
+            yield from self._others("objectives", place)
+
+    def _others(self, kind: str, place: int) -> Iterator[Line]:
+        """The same number by other models."""
+        for one in self.result.confirmed:
+            yield Line(f"by {one.label}", (*self._cells(kind, place, one.case, one.design), ""))
 
     def _varied(self, trial: Trial) -> Iterator[Line]:
         plan, facts = self.result.plan, self.facts
@@ -118,6 +120,7 @@ class OptimumAnswer(ExploreAnswer):
             limit = f"{'at most' if bound.upper else 'at least'} {self.words.said(self.facts.said(bound.measure, bound.bound), 4)}"
             if np.isfinite(miss):
                 yield Line(bound.measure.label, (*self._cells("constraints", place, self.result.case, trial), limit), mark, remark)  # fmt: skip
+                yield from self._others("constraints", place)
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """The designs that were computed, which show the verdict."""
