@@ -62,8 +62,7 @@ def damping(films: int = 12) -> None:
     rows = []
     setup = vt.film.FilmSetup(
         frame_rate=2000,
-        scale_points=((4, 0), (4, 120)),
-        scale_length=0.02,
+        scale=((4, 0), (4, 120), 0.02),
         marker=(4, 4),
         marker_radius=2,
         line=((6, 10), (6, 239)),
@@ -111,8 +110,7 @@ def pictures(folder: Path) -> None:
     )
     setup = vt.film.FilmSetup(
         frame_rate=2000,
-        scale_points=((11, 0), (11, 120)),
-        scale_length=0.02,
+        scale=((11, 0), (11, 120), 0.02),
         marker=(4, 4),
         marker_angle=1.0,
     )

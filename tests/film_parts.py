@@ -19,7 +19,7 @@ from valvetrain.film.setup import FilmSetup
 
 RATE, PER_MM = 2000.0, 6.0
 SCENE = drawn.Scene(columns=10, frame_rate=RATE, pixels_per_mm=PER_MM)
-SCALE = {"frame_rate": RATE, "scale_points": ((4, 0), (4, 120)), "scale_length": 20e-3}
+SCALE = {"frame_rate": RATE, "scale": ((4, 0), (4, 120), 20e-3)}
 SURGE, DAMPING, CAM_SPEED, FIRST_ANGLE, MARK_ANGLE = (
     drawn.SURGE,
     drawn.DAMPING,

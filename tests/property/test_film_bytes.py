@@ -178,8 +178,7 @@ def test_any_grey_levels_are_followed_or_refused(seed):
     )[seed % 4]
     setup = FilmSetup(
         frame_rate=2000,
-        scale_points=((0, 0), (0, 9)),
-        scale_length=9e-3,
+        scale=((0, 0), (0, 9), 9e-3),
         line=((2, 0), (2, 39)),
         line_width=3,
         **how,

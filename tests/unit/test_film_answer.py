@@ -32,7 +32,7 @@ def decay():
     rows, frame = np.arange(80.0)[:, None], np.arange(120)[:, None, None]
     moved = 3 * np.exp(-0.01 * frame) * np.cos(2 * np.pi * 0.2 * frame)
     bands = (np.exp(-(((rows - 20 * k - moved * (k in (2, 3))) / 2) ** 2)) for k in (1, 2, 3))
-    setup = vt.film.FilmSetup(frame_rate=2000, scale_points=((4, 0), (4, 50)), scale_length="10 mm", free_decay=True)  # fmt: skip
+    setup = vt.film.FilmSetup(frame_rate=2000, scale="4, 0, 4, 50, 10 mm", free_decay=True)  # fmt: skip
     return vt.film.coil_motion(sum(bands) * np.full((1, 1, 9), 100.0), setup)
 
 

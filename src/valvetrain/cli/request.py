@@ -23,10 +23,12 @@ from valvetrain.cli.options import (
     take_folder,
     take_units,
 )
+from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Fields,
     Option,
     dask_option,
+    flagged,
     option,
     options_of,
     read_choice,
@@ -35,9 +37,9 @@ from valvetrain.runs.request_fields import (
     read_switch,
     read_text,
 )
-from valvetrain.runs.requests import Limited, ParallelRequest
+from valvetrain.runs.requests import ParallelRequest
 
-RequestOf = TypeVar("RequestOf", bound=Limited)
+RequestOf = TypeVar("RequestOf", bound=Fields)
 LineOf = TypeVar("LineOf", bound="CommandLine")
 FieldsOf = TypeVar("FieldsOf", bound=Fields)
 MAX_ELEMENTS = 10**6
@@ -88,7 +90,25 @@ class CommandLine(AnswerLine):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SavedLine(CommandLine):
+class FolderLine(CommandLine):
+    """The command line of a request whose result is saved in a folder."""
+
+    output: Path | None = option(
+        read_path,
+        "Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
+        "--output",
+        "FOLDER",
+    )
+
+    def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
+        """As that of the base class, with the folder locked."""
+        request, folder = super().request(model, given)
+        take_folder(self.output)
+        return request, folder
+
+
+@dataclass(frozen=True, kw_only=True)
+class SavedLine(FolderLine):
     """The command line of a request of a case, with changes of it, whose result is saved in a folder."""
 
     settings: tuple[str, ...] = option(
@@ -105,21 +125,16 @@ class SavedLine(CommandLine):
         "--elements-per-coil",
         "N",
     )
-    output: Path | None = option(
-        read_path,
-        "Folder of the results (default: a new one, runs/CASE/DATE-TIME-DIGEST).",
-        "--output",
-        "FOLDER",
-    )
 
     def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
         """As that of the base class, of the case with its changes."""
-        name, sets = given["case"], given.get("spring_sets") or ()
+        name, sets = given["case"] or "", given.get("spring_sets") or ()
+        if not name and (self.settings or self.elements_per_coil):
+            raise InputError("values are changed of a case; name it with --case", "--set")
         name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
-        case = choose_case(name, self.settings, self.elements_per_coil)
-        request = model.read({**given, "case": case}, flags=True)
-        take_folder(self.output)
-        return request, folder_of(name)
+        case = choose_case(name, self.settings, self.elements_per_coil) if name else None
+        request, _ = super().request(model, {**given, "case": case})
+        return request, folder_of(name) if name else Path()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +191,8 @@ def command_of(
         if isinstance(request, ParallelRequest):
             workers = read_workers(request.workers, getattr(typed, "dask", ""))
             request = replace(request, workers=workers)
-        execute(request, typed, folder)
+        with flagged({name: one for name, one in options_of(model).items() if one.flag}):
+            execute(request, typed, folder)
 
     def options() -> dict[str, Option]:
         every = {**options_of(model), **options_of(line)}
@@ -227,7 +243,7 @@ def _parameter(name: str, asked: Option) -> inspect.Parameter:
             name, keyword, annotation=Annotated[str | None, info], default=None
         )
     info = typer.Option(
-        asked.flag,
+        *asked.flag.split(),
         metavar=asked.metavar or None,
         help=asked.meaning + (f" (default: {asked.default})" if asked.default else ""),
         show_default=False,

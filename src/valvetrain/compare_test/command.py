@@ -5,126 +5,155 @@ adequate.
 from __future__ import annotations
 
 import shlex
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from valvetrain.cli.options import (
-    CaseArgument,
-    ElementsOption,
-    ImplausibleOption,
-    JsonOption,
-    LimitOption,
-    OpenOption,
-    OutputOption,
-    QuietOption,
-    SetOption,
-    SpringOption,
-    SpringSetOption,
-    WorkersOption,
-    asking,
-    name_case,
-    read_models,
-    read_names,
-    read_workers,
-    take_folder,
+from valvetrain.cli.request import SavedLine, command_of
+from valvetrain.errors import InputError
+from valvetrain.runs.request_fields import (
+    Pairs,
+    option,
+    options_of,
+    read_count,
+    read_pairs,
+    read_path,
+    read_positive,
+    read_speed,
+    read_text,
+    read_within,
+    read_words,
 )
-from valvetrain.cli.run_answer import SavedRequest, saved_result
+from valvetrain.runs.requests import ParallelRequest, SpringRequest
 
-#: Argument of :func:`compare_with_test`, or of the gauge -> its option, what follows that, and its help.
-ASKED = {
-    "quantity": ("--quantity", "NAME", "The model's curve, where the file calls it otherwise."),
-    "engine_speed": ("--rpm", "SPEED", "Crank speed where the test does not state it."),
-    "bandwidth": ("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'."),
-    "sensor": ("--sensor", "WORDS", "More of the gauge: 'natural_frequency=40 kHz, order=2'."),
-    "shared": ("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'."),
-    "fitted": ("--fitted", "N", "Number of model parameters fitted to this test."),
-    "level": (
+
+def read_gauge(given: Any, where: str) -> Pairs:
+    """Properties of a gauge: ``KEY=VALUE, ...``."""
+    return read_pairs(read_words(given, where), where)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareTestRequest(SpringRequest, ParallelRequest):
+    """A case against a test."""
+
+    command = "compare-test"
+
+    test: Path | None = option(
+        read_path,
+        "Measured cycles, or a table of values with scatter or repeats.",
+        "--test",
+        "FILE",
+    )
+    quantity: str = option(
+        read_text,
+        "The model's curve, where the file calls it otherwise.",
+        "--quantity",
+        "NAME",
+        default="",
+    )
+    engine_speed: float | None = option(
+        read_speed, "Crank speed where the test does not state it.", "--rpm", "SPEED"
+    )
+    bandwidth: float | None = option(
+        partial(read_positive, "frequency"),
+        "Filter the model by a gauge of '10 kHz'.",
+        "--bandwidth",
+        "FREQUENCY",
+    )
+    sensor: Pairs = option(
+        read_gauge,
+        "More of the gauge: 'natural_frequency=40 kHz, order=2'.",
+        "--sensor",
+        "WORDS",
+        default=Pairs(),
+    )
+    shared: str = option(
+        read_text,
+        "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'.",
+        "--shared",
+        "AMOUNTS",
+        default="",
+    )
+    fitted: int = option(
+        partial(read_count, 0, 10**6),
+        "Number of model parameters fitted to this test.",
+        "--fitted",
+        "N",
+        default=0,
+    )
+    level: float = option(
+        partial(read_within, "ratio", 0.0, 1.0),
+        "Share of adequate models that the test may refute.",
         "--level",
         "SHARE",
-        "Share of adequate models that the test may refute (default: 0.05).",
-    ),
-}
+        default="0.05",
+    )
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` without a test, and for a bandwidth that is given twice."""
+        if self.test is None:
+            raise InputError("the test is missing; give its file", "test")
+        if self.bandwidth is not None and "bandwidth" in self.sensor:
+            raise InputError("bandwidth is given twice; give it once", "sensor")
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("compare-test")(asking(compare_test, ASKED))
-
-
-def compare_test(
-    case: CaseArgument,
-    test: Annotated[
-        Path,
-        typer.Option(
-            "--test",
-            metavar="FILE",
-            help="Measured cycles, or a table of values with scatter or repeats.",
-        ),
-    ],
-    spring: SpringOption = None,
-    spring_set: SpringSetOption = None,
-    settings: SetOption = None,
-    elements_per_coil: ElementsOption = None,
-    output: OutputOption = None,
-    workers: WorkersOption = None,
-    limit: LimitOption = None,
-    implausible: ImplausibleOption = False,
-    open_page: OpenOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-    *,
-    answers: dict[str, Any],
-) -> None:
+def compare_test(request: CompareTestRequest, line: SavedLine, folder: Path) -> None:
     """Whether a model agrees with a test within the scatter of the test, and where it is worst."""
-    from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_runs, progress_bar
+    from valvetrain.cli.run_answer import SavedRequest, saved_result
     from valvetrain.compare_test.answer import AgainstTestAnswer
     from valvetrain.compare_test.compare import compare_with_test
     from valvetrain.compare_test.reader import read_test
     from valvetrain.compare_test.tables import compare_test_json, write_compare_test
+    from valvetrain.measured.sensor import Sensor
 
-    name_case(case, settings)
-    take_folder(output)
-    repeated = ["--test", str(test)]
-    repeated += [part for name, value in answers.items() for part in (ASKED[name][0], str(value))]
-    repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
-    bandwidth, words = answers.pop("bandwidth", None), answers.pop("sensor", None)
-    gauge = read_sensor(bandwidth, words) if bandwidth or words else None
-    chosen = choose_case(case, settings, elements_per_coil)
-    measured = read_test(test, answers.get("quantity", ""))
-    announce_runs(chosen)
-    with progress_bar(chosen.name) as report:
+    assert request.test is not None
+    gauge = {"bandwidth": request.bandwidth} if request.bandwidth else {}
+    sensor = Sensor(**gauge, **request.sensor) if gauge or request.sensor else None  # type: ignore[arg-type]
+    measured = read_test(request.test, request.quantity)
+    announce_runs(request.case)
+    with progress_bar(request.case.name) as report:
         result = compare_with_test(
-            chosen,
+            request.case,
             measured,
-            **answers,
-            models=read_models(spring),
-            spring_sets=read_names(spring_set),
-            sensor=gauge,
-            workers=read_workers(workers),
+            quantity=request.quantity,
+            engine_speed=request.engine_speed,
+            models=request.models,
+            spring_sets=request.spring_sets,
+            sensor=sensor,
+            fitted=request.fitted,
+            shared=request.shared,
+            level=request.level,
+            workers=request.workers,
             progress=report,
-            limit=", ".join(limit or ()),
-            implausible=implausible,
+            limit=request.limit,
+            implausible=request.implausible,
         )
-    request = SavedRequest("compare-test", chosen, output, folder_of(case))
+    asked = options_of(CompareTestRequest)
+    words = ["--test", str(request.test)]
+    words += [
+        part
+        for name in ("quantity", "engine_speed", "bandwidth", "sensor", "shared", "fitted", "level")
+        if name in request.typed
+        for part in (asked[name].flag, request.typed[name])
+    ]
+    words += [part for name in request.spring_sets for part in ("--spring-set", name)]
     failed = list(result.failures)
-    data = {
-        "command": "compare-test",
-        "completed": not failed,
-        "failures": failed,
-    } | compare_test_json(result)
+    data = {"command": request.command, "completed": not failed, "failures": failed}
     deliver(
         saved_result(
-            request,
+            SavedRequest(request.command, request.case, line.output, folder),
             result.study.record.text,
-            data,
-            lambda folder: AgainstTestAnswer(result, test=shlex.join(repeated)),
+            data | compare_test_json(result),
+            lambda _: AgainstTestAnswer(result, test=shlex.join(words)),
             lambda folder: write_compare_test(result, folder),
-            {"test": str(test)},
-            open_page,
+            {"test": str(request.test)},
+            line.open_page,
             failed,
         )
     )
+
+
+register = command_of(CompareTestRequest, SavedLine, compare_test)

@@ -40,6 +40,7 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
+from valvetrain.runs.cost import Limits
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import Reported, verdict_first
@@ -111,7 +112,7 @@ def compare_with_test(
     level: float = LEVEL,
     workers: int | None = None,
     progress: Progress | None = None,
-    limit: str = "",
+    limit: str | Limits = "",
     implausible: bool = False,
 ) -> ModelAgainstTest:
     """A case against measured cycles, or against a table of measured values: errors, bands

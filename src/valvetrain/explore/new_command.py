@@ -6,12 +6,13 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass, make_dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
 import typer
 
-from valvetrain.cli.options import JsonOption, QuietOption, asking, asks
+from valvetrain.cli.request import AnswerLine, command_without_case
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import (
     KINDS,
@@ -21,6 +22,7 @@ from valvetrain.parameters.templates import (
     template_kind,
     template_text,
 )
+from valvetrain.runs.request_fields import option, read_text
 
 #: Kind of request -> what its file asks of a case.
 REQUESTS = {
@@ -33,35 +35,38 @@ REQUESTS = {
 COMMANDS = {"lash": "study"}
 
 
-def register_new(app: typer.Typer) -> None:
-    """Add the command."""
-    asked = {
-        name: (flag(name), one.follows, f"{one.meaning[0].upper()}{one.meaning[1:]}.")
-        for name, one in QUESTIONS.items()
-    }
-    app.command("new")(asking(new, asked))
+@dataclass(frozen=True, kw_only=True)
+class CaseLine(AnswerLine):
+    """What is written, besides the answers of an engine."""
+
+    name: str = option(read_text, "Name of the file; NAME.toml is written.", metavar="NAME")
+    kind: str = option(
+        read_text,
+        f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}; "
+        f"or with --case: {', '.join(f'{word} ({meaning})' for word, meaning in REQUESTS.items())}.",
+        "--kind --train",
+        "KIND",
+        default="spring",
+    )
+    case: str = option(read_text, "The case that a study is about.", "--case", "CASE", default="")
 
 
-def new(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of the file; NAME.toml is written.")
-    ],
-    kind: Annotated[
-        str,
-        typer.Option(
-            "--kind",
-            "--train",
-            metavar="KIND",
-            help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}; "
-            f"or with --case: {', '.join(f'{word} ({meaning})' for word, meaning in REQUESTS.items())}.",
-        ),
-    ] = "spring",
-    case: Annotated[str, asks("--case", "CASE", "The case that a study is about.")] = "",
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-    *,
-    answers: dict[str, str],
-) -> None:
+def _answer_option(name: str) -> Any:
+    asked = QUESTIONS[name]
+    meaning = f"{asked.meaning[0].upper()}{asked.meaning[1:]}."
+    return option(read_text, meaning, flag(name), asked.follows, default="")
+
+
+NewLine = make_dataclass(
+    "NewLine",
+    [(name, str, _answer_option(name)) for name in QUESTIONS],
+    bases=(CaseLine,),
+    frozen=True,
+    kw_only=True,
+)
+
+
+def new(line: CaseLine) -> None:
     """Write NAME.toml, a commented case, or a study of --case, that runs without changes.
 
     An engine is written from what you have of it: spring card, cam card, masses, red line, as options or, at a terminal,
@@ -69,6 +74,8 @@ def new(
     """
     from valvetrain.cli.outcome import Outcome, deliver
 
+    name, kind, case = line.name, line.kind, line.case
+    answers = {word: text for word in QUESTIONS if (text := getattr(line, word))}
     if kind in REQUESTS:
         path = write_request(name, kind, case)
         label = f"{path}: {REQUESTS[kind]}\n  next: valvetrain {COMMANDS.get(kind, kind)} {shlex.quote(str(path))}"
@@ -79,7 +86,7 @@ def new(
         )
     else:
         kind = template_kind(kind)
-        if not (answers or as_json or quiet) and kind in TRAINS and sys.stdin.isatty():
+        if not (answers or line.json or line.quiet) and kind in TRAINS and sys.stdin.isatty():
             answers = _asked(kind)
         path = write_template(name, kind, answers)
         following = (
@@ -88,6 +95,9 @@ def new(
         label = f"{path}: {KINDS[kind]}\n  {_assumptions(path)}\n  next: valvetrain {following}"
     data = {"command": "new", "kind": kind, "files": [str(path)]}
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
+
+
+register_new = command_without_case("new", NewLine, new)
 
 
 def _asked(kind: str) -> dict[str, str]:

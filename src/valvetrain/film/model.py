@@ -4,6 +4,7 @@ speed of the film.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ from valvetrain.runs.api import simulate
 from valvetrain.solution.display import Shown
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
+from valvetrain.units import as_names
 
 #: Steps (turns) in which the place of the first coil along the wire is looked for.
 STEP = 0.02
@@ -77,7 +79,7 @@ def lift_of_case(case: AnyCase) -> Lift:
     if chosen.lift_law is None:
         raise InputError(
             f"case '{chosen.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker",
-            "--case",
+            "case",
         )
     law = build_lift_law(chosen.lift_law)
     return lambda cam_angle: np.asarray(law.lift(cam_angle), dtype=float)
@@ -86,7 +88,7 @@ def lift_of_case(case: AnyCase) -> Lift:
 def film_over_model(
     motion: CoilMotion,
     case: AnyCase,
-    spring_model: str = "",
+    models: Sequence[str] | str = (),
     spring: str = "",
     first_turn: float | None = None,
 ) -> FilmedModel:
@@ -96,7 +98,7 @@ def film_over_model(
     ----------
     motion : from :func:`coil_motion`, of a turning cam
     case : Case, name of a library case, or path of a case file
-    spring_model : name of the spring model; where empty the default of a spring alone, of a train
+    models : name of the spring model; where empty the default of a spring alone, of a train
         finite elements or, of cards, the chain
     spring : name of the filmed spring; the first (outer) one where empty
     first_turn : coil number (turns from the lower tip) of the film's first coil; found by least
@@ -123,12 +125,12 @@ def film_over_model(
             "a film laid over a run needs the motion over the cam angle; give that of a turning cam"
         )
     chosen = case_of(case)
-    run = _run(chosen, 2 * motion.phase.cam_speed, spring_model)
+    run = _run(chosen, 2 * motion.phase.cam_speed, as_names(models))
     name = spring or run.springs[0]
     if name not in run.springs:
         raise InputError(
             f"spring '{name[:40]}' is unknown; the case has {', '.join(run.springs)}",
-            "--filmed-spring",
+            "spring",
         )
     train = chosen.train
     parts = chosen.springs if train is None else train.spring_parts(run.spring_set or None)
@@ -197,8 +199,8 @@ def film_over_model(
     )
 
 
-def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
-    models, sets = ((spring_model,) if spring_model else ()), tuple[str, ...]()
+def _run(case: Case, engine_speed: float, models: tuple[str, ...]) -> Solution:
+    sets = tuple[str, ...]()
     if not models and case.train is not None:
         # the variants of a train may begin with springs that have no coils
         variants = case.train.springs.items()
@@ -208,7 +210,7 @@ def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
     if not run.status.completed:
         raise InputError(
             f"case '{case.name}' did not run at the speed of the film: {run.status.message}",
-            "--case",
+            "case",
         )
     return run
 
@@ -228,7 +230,7 @@ def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Ar
         if part.wire is None:
             raise InputError(
                 f"spring '{spring}' is a card without turns, so its coils are not known; give its wire",
-                "--case",
+                "case",
             )
         gaps = installed_gaps(part.wire, part.precompression)
         coil = np.interp(coil, gaps.flow, gaps.turns)

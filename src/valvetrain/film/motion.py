@@ -75,7 +75,7 @@ def coil_motion(
     >>> rows, frame = np.arange(80.0)[:, None], np.arange(120)[:, None, None]
     >>> moved = 3 * np.exp(-0.01 * frame) * np.cos(2 * np.pi * 0.2 * frame)
     >>> film = sum(np.exp(-(((rows - 20 * k - moved * (k in (2, 3))) / 2) ** 2)) for k in (1, 2, 3)) * np.ones((1, 1, 9)) * 100.0
-    >>> motion = coil_motion(film, FilmSetup(frame_rate=2000, scale_points=((4, 0), (4, 50)), scale_length="10 mm", free_decay=True))
+    >>> motion = coil_motion(film, FilmSetup(frame_rate=2000, scale="4, 0, 4, 50, 10 mm", free_decay=True))
     >>> motion
     CoilMotion of array: 3 coils in 120 frames, free decay
     >>> f"{motion.surge.lines[0].natural_frequency:.1f} Hz, damping ratio {motion.surge.lines[0].damping_ratio:.4f}"
@@ -90,8 +90,8 @@ def coil_motion(
             "say that the spring decays freely",
             "marker",
         )
-    if setup.scale_points is None and valve_lift is None:
-        raise InputError(NO_SCALE, "scale_points")
+    if setup.scale is None and valve_lift is None:
+        raise InputError(NO_SCALE, "scale")
     notes = []
     line = SightLine(*setup.line, setup.line_width) if setup.line else None
     if line is None:
@@ -230,11 +230,11 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
 def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, str]:
     """Metres a pixel, standard deviation, and what is said of it."""
     scale = setup.metres_per_pixel
-    if setup.scale_length is not None:
-        share = np.sqrt(2) * PICKED * scale / setup.scale_length
+    if setup.scale is not None:
+        share = np.sqrt(2) * PICKED * scale / setup.scale[2]
         sentence = f"the scale is {1e3 * scale:.5g} mm a pixel, within {100 * share:.2g} % as far as points are picked"
         return scale, float(share * scale), sentence
     if phase is not None and phase.metres_per_pixel > 0:
         sentence = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
         return phase.metres_per_pixel, 0.0, sentence
-    raise InputError(NO_SCALE, "scale_points")
+    raise InputError(NO_SCALE, "scale")

@@ -15,7 +15,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.runs.api import Speeds, simulate, sweep
-from valvetrain.runs.cost import Cost, RunRequest, array_cost, limits_of, refuse_cost
+from valvetrain.runs.cost import Cost, Limits, RunRequest, array_cost, refuse_cost
+from valvetrain.runs.request_fields import read_limit
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
@@ -88,7 +89,7 @@ def lift_band_study(
     spring_sets: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
-    limit: str = "",
+    limit: str | Limits = "",
 ) -> LiftBandStudy:
     """Run a case by the mean of its measured lift and by laws drawn from what the stations allow.
 
@@ -136,7 +137,9 @@ def lift_band_study(
         raise InputError(f"draws is a number from 4 to {MAX_DRAWS}; it is {draws}", "draws")
     speeds, searched = (None if one is None else si_speeds(one) for one in (engine_speeds, search))
     run_request = RunRequest("run", known, speeds, models, sets, worker_count(workers))
-    refuse_cost(band_cost(run_request, draws, searched), limits_of(limit), "limit=", FEWER_LAWS)
+    refuse_cost(
+        band_cost(run_request, draws, searched), read_limit(limit, "limit"), "limit=", FEWER_LAWS
+    )
     shared = _Shared(known, engine_speeds, search, models, sets)
 
     def tell(done: int, total: int) -> None:

@@ -3,185 +3,237 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from valvetrain.cli.options import (
-    JsonOption,
-    LimitOption,
-    OpenOption,
-    OutputOption,
-    QuietOption,
-    SpeedOption,
-    SpringOption,
-    SpringSetOption,
-    UnitsOption,
-    WorkersOption,
-    asks,
+from valvetrain.cli.request import SavedLine, command_of
+from valvetrain.errors import InputError
+from valvetrain.runs.request_fields import (
+    option,
+    options_of,
     read_amounts,
-    read_engine_speeds,
+    read_case,
+    read_count,
     read_models,
     read_names,
-    read_workers,
-    take_folder,
-    take_units,
+    read_path,
+    read_speeds,
+    read_switch,
+    read_text,
+    read_within,
+    read_words,
 )
-from valvetrain.cli.outcome import deliver
-from valvetrain.cli.run_answer import SavedRequest, saved_result
-from valvetrain.errors import InputError
+from valvetrain.runs.requests import Limited, Parallel
 
 if TYPE_CHECKING:
     from valvetrain.lift.band import LiftBandStudy
     from valvetrain.lift.figures import LiftFigure, LobeResult
     from valvetrain.lift.rules import LiftFacts
-    from valvetrain.measured.lift_file import MeasuredLift
+    from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift
+    from valvetrain.parameters.case import Case
     from valvetrain.parameters.lift_law import LiftLawParameters
-    from valvetrain.runs.cost import Limits
 
-#: Options that say where and how an answer is shown.
-MANNER = ("output", "open_page", "units", "as_json", "quiet")
-#: Options that say what the tables hold.
+LENGTH, ANGLE = partial(read_within, "length", -1e3, 1e3), partial(read_within, "angle", -1e6, 1e6)
+#: Fields that say what the tables hold, and those of them that :class:`LiftAnswers` takes.
 READS = (
     "exhaust", "angle_of", "lift_of", "lift_unit", "angle_unit", "columns", "zero", "direction", "lobe", "follower", "base_radius",
     "mend", "peak_lift", "duration", "opening", "noise", "band",
 )  # fmt: skip
+ANSWERS = tuple(
+    name for name in READS if name not in ("exhaust", "lobe", "base_radius", "noise", "band")
+)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("lift")(lift)
+@dataclass(frozen=True, kw_only=True)
+class LiftRequest(Parallel, Limited):
+    """The lobes of a table, a case or a cam card, and a case that takes the first of them."""
+
+    command = "lift"
+
+    file: Path | None = option(
+        read_path,
+        "Table of lifts or contour: text, s96, fractions, XLSX, DXF; read by content. Or a case.",
+        metavar="[FILE]",
+    )
+    exhaust: Path | None = option(
+        read_path, "Table of the exhaust lobe on the same zero: gives overlap.", "--exhaust", "FILE"
+    )
+    angle_of: str = option(
+        read_text, "Whose angles the table holds.", "--angle-of", "cam|crank", default=""
+    )
+    lift_of: str = option(read_text, "Whose lift it is.", "--lift-of", "valve|tappet", default="")
+    lift_unit: str = option(
+        read_text, "Unit of the lifts, such as mm or inch.", "--lift-unit", "UNIT", default=""
+    )
+    angle_unit: str = option(
+        read_text, "Unit of the angles (default: deg).", "--angle-unit", "deg|rad", default=""
+    )
+    columns: tuple[str, ...] = option(
+        read_words,
+        "What each column is: 'angle, lift, velocity' (or intake, exhaust, ignore).",
+        "--columns",
+        "WORDS",
+        default=(),
+    )
+    zero: str = option(
+        read_text,
+        "Zero of the angle: as in the file (default) or at the nose.",
+        "--zero",
+        "file|nose",
+        default="",
+    )
+    direction: str = option(
+        read_text,
+        "Whether the cam turned with rising angle (forward).",
+        "--direction",
+        "forward|reversed",
+        default="",
+    )
+    lobe: str = option(
+        read_text, "Which of the lobes or events of the table.", "--lobe", "NAME", default=""
+    )
+    events: str = option(
+        read_text,
+        "Of a cam card: 'IVO 5 before top, IVC 32.5 after bottom'.",
+        "--events",
+        "TEXT",
+        default="",
+    )
+    top_dead_centre: float | None = option(
+        ANGLE, "Cam angle of it on the page: gives IVO to EVC.", "--top-dead-centre", "ANGLE"
+    )
+    lobe_centre: float | None = option(
+        ANGLE,
+        "Crank angle of the lobe after (−: before) top dead centre.",
+        "--lobe-centre",
+        "ANGLE",
+    )
+    follower: str = option(
+        read_text,
+        "What the cam lifts: flat, 'roller 10 mm', 'dome 50 mm'.",
+        "--follower",
+        "TEXT",
+        default="",
+    )
+    base_radius: float | None = option(
+        LENGTH,
+        "Radius of the base circle: gives the contour of the cam.",
+        "--base-radius",
+        "LENGTH",
+    )
+    mend: bool = option(
+        read_switch, "Take out stations that stand out, such as dust.", "--mend", default=False
+    )
+    peak_lift: float | None = option(
+        LENGTH, "Of a table of fractions: its largest lift.", "--peak-lift", "LENGTH"
+    )
+    duration: float | None = option(
+        ANGLE, "Of a table of fractions: its length, in that angle.", "--duration", "ANGLE"
+    )
+    opening: float | None = option(
+        ANGLE, "Of a table of fractions: where it begins.", "--opening", "ANGLE"
+    )
+    noise: float | None = option(
+        LENGTH,
+        "Standard deviation of a station, such as '3 um' (default: found).",
+        "--noise",
+        "LENGTH",
+    )
+    band: float | None = option(
+        LENGTH, "How far the law may leave a station at most.", "--band", "LENGTH"
+    )
+    at: tuple[float, ...] = option(
+        partial(read_amounts, "length"),
+        "Further lift at which the duration is given: '0.2 inch'. Repeatable.",
+        "--at",
+        "LENGTH",
+        default=(),
+        repeatable=True,
+    )
+    lash: float = option(
+        LENGTH,
+        "Lift at which the ramp velocities are evaluated.",
+        "--lash",
+        "LENGTH",
+        default="0.006 inch",
+    )
+    case: Case | None = option(
+        read_case,
+        "Case whose lift it becomes: its forces and speeds with the band.",
+        "--case",
+        "CASE",
+    )
+    engine_speeds: tuple[float, ...] | None = option(
+        read_speeds,
+        "Crank speeds instead of the case's own, in rpm: '4200, 5600', '1000:9000:500' or '4000-8000'.",
+        "--rpm",
+        "SPEEDS",
+    )
+    search: tuple[float, ...] | None = option(
+        read_speeds,
+        "Range in which float and bounce are searched: '4000:9000:500 rpm'.",
+        "--search",
+        "SPEEDS",
+    )
+    draws: int = option(
+        partial(read_count, 1, 10**6),
+        "Lift laws drawn from the band, for forces and speeds.",
+        "--draws",
+        "N",
+        default="16",
+    )
+    models: tuple[str, ...] = option(
+        read_models,
+        "Spring models, such as massless,multi-mass,wave-rod,finite-element; repeatable.",
+        "--model",
+        "MODELS",
+        default=(),
+        repeatable=True,
+    )
+    spring_sets: tuple[str, ...] = option(
+        read_names,
+        "Spring sets of a train, such as stock,performance; repeatable.",
+        "--spring-set",
+        "SETS",
+        default=(),
+        repeatable=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` for speeds without a case."""
+        if self.case is None and (self.engine_speeds or self.search):
+            raise InputError("speeds are run with a case; name it with --case", "case")
+
+    @property
+    def answers(self) -> LiftAnswers:
+        """What the tables leave open."""
+        from valvetrain.measured.lift_file import LiftAnswers
+
+        return LiftAnswers(**{name: getattr(self, name) for name in ANSWERS})
+
+    @property
+    def stated(self) -> tuple[float | None, float | None]:
+        """Noise of a station and largest distance of the law from one (m), where they are given."""
+        return self.noise, self.band
+
+    @property
+    def again(self) -> str:
+        """Words behind ``valvetrain lift`` that read the tables again."""
+        words, asked = [str(self.file or "")], options_of(type(self))
+        for name in READS:
+            if value := getattr(self, name):
+                words += [asked[name].flag, *([] if value is True else [self.typed[name]])]
+        return shlex.join(words)
 
 
-def lift(
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="FILE",
-            help="Table of lifts or contour: text, s96, fractions, XLSX, DXF; read by content. Or a case.",
-        ),
-    ] = None,
-    exhaust: Annotated[
-        Path | None,
-        asks("--exhaust", "FILE", "Table of the exhaust lobe on the same zero: gives overlap."),
-    ] = None,
-    angle_of: Annotated[str, asks("--angle-of", "cam|crank", "Whose angles the table holds.")] = "",
-    lift_of: Annotated[str, asks("--lift-of", "valve|tappet", "Whose lift it is.")] = "",
-    lift_unit: Annotated[
-        str, asks("--lift-unit", "UNIT", "Unit of the lifts, such as mm or inch.")
-    ] = "",
-    angle_unit: Annotated[
-        str, asks("--angle-unit", "deg|rad", "Unit of the angles (default: deg).")
-    ] = "",
-    columns: Annotated[
-        str,
-        asks(
-            "--columns",
-            "WORDS",
-            "What each column is: 'angle, lift, velocity' (or intake, exhaust, ignore).",
-        ),
-    ] = "",
-    zero: Annotated[
-        str,
-        asks("--zero", "file|nose", "Zero of the angle: as in the file (default) or at the nose."),
-    ] = "",
-    direction: Annotated[
-        str,
-        asks(
-            "--direction", "forward|reversed", "Whether the cam turned with rising angle (forward)."
-        ),
-    ] = "",
-    lobe: Annotated[str, asks("--lobe", "NAME", "Which of the lobes or events of the table.")] = "",
-    events: Annotated[
-        str, asks("--events", "TEXT", "Of a cam card: 'IVO 5 before top, IVC 32.5 after bottom'.")
-    ] = "",
-    top_dead_centre: Annotated[
-        str | None,
-        asks("--top-dead-centre", "ANGLE", "Cam angle of it on the page: gives IVO to EVC."),
-    ] = None,
-    lobe_centre: Annotated[
-        str | None,
-        asks(
-            "--lobe-centre", "ANGLE", "Crank angle of the lobe after (−: before) top dead centre."
-        ),
-    ] = None,
-    follower: Annotated[
-        str, asks("--follower", "TEXT", "What the cam lifts: flat, 'roller 10 mm', 'dome 50 mm'.")
-    ] = "",
-    base_radius: Annotated[
-        str | None,
-        asks("--base-radius", "LENGTH", "Radius of the base circle: gives the contour of the cam."),
-    ] = None,
-    mend: Annotated[
-        bool, typer.Option("--mend", help="Take out stations that stand out, such as dust.")
-    ] = False,
-    peak_lift: Annotated[
-        str | None, asks("--peak-lift", "LENGTH", "Of a table of fractions: its largest lift.")
-    ] = None,
-    duration: Annotated[
-        str | None,
-        asks("--duration", "ANGLE", "Of a table of fractions: its length, in that angle."),
-    ] = None,
-    opening: Annotated[
-        str | None, asks("--opening", "ANGLE", "Of a table of fractions: where it begins.")
-    ] = None,
-    noise: Annotated[
-        str | None,
-        asks(
-            "--noise", "LENGTH", "Standard deviation of a station, such as '3 um' (default: found)."
-        ),
-    ] = None,
-    band: Annotated[
-        str | None, asks("--band", "LENGTH", "How far the law may leave a station at most.")
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        asks(
-            "--at", "LENGTH", "Further lift at which the duration is given: '0.2 inch'. Repeatable."
-        ),
-    ] = None,
-    lash: Annotated[
-        str,
-        typer.Option(
-            "--lash", metavar="LENGTH", help="Lift at which the ramp velocities are evaluated."
-        ),
-    ] = "0.006 inch",
-    case: Annotated[
-        str | None,
-        asks("--case", "CASE", "Case whose lift it becomes: its forces and speeds with the band."),
-    ] = None,
-    engine_speed: SpeedOption = None,
-    search: Annotated[
-        str | None,
-        asks(
-            "--search",
-            "SPEEDS",
-            "Range in which float and bounce are searched: '4000:9000:500 rpm'.",
-        ),
-    ] = None,
-    draws: Annotated[
-        int,
-        typer.Option(
-            "--draws", metavar="N", help="Lift laws drawn from the band, for forces and speeds."
-        ),
-    ] = 16,
-    spring: SpringOption = None,
-    spring_set: SpringSetOption = None,
-    output: OutputOption = None,
-    workers: WorkersOption = None,
-    limit: LimitOption = None,
-    open_page: OpenOption = False,
-    units: UnitsOption = "si",
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
+def lift(request: LiftRequest, line: SavedLine, folder: Path) -> None:
     """Measured lift: figures of the lobe, lift to jerk with error bands, a lift law for a case,
     effect of the noise on forces and float.
     """
-    choices = {name: str(value) for name, value in locals().items() if name not in MANNER}
-    read = {name: one for name, one in locals().items() if name in READS and one}
+    from valvetrain.cli.outcome import deliver
+    from valvetrain.cli.run_answer import SavedRequest, saved_result
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.files import lift_case, lift_parameters, write_lift
     from valvetrain.lift.rules import LiftFacts
@@ -194,68 +246,43 @@ def lift(
         typed_figures,
     )
     from valvetrain.measured.contours import Follower
-    from valvetrain.measured.lift_file import LiftAnswers, chosen_lobe, read_lift
-    from valvetrain.runs.cost import read_limits
+    from valvetrain.measured.lift_file import chosen_lobe, read_lift
     from valvetrain.solution.atomic import write_text
 
-    take_folder(output)
-    take_units(units)
-    if case is None and (engine_speed or search):
-        raise InputError("speeds are run with a case; name it with --case", "--case")
-    answers = LiftAnswers(
-        angle_of=angle_of, lift_of=lift_of, lift_unit=lift_unit, angle_unit=angle_unit, zero=zero, direction=direction,
-        columns=tuple(word.strip() for word in columns.split(",") if word.strip()),
-        peak_lift=_si(peak_lift, "length", "--peak-lift"), duration=_si(duration, "angle", "--duration"),
-        opening=_si(opening, "angle", "--opening"), mend=mend, follower=follower
-    )  # fmt: skip
-    stated = _si(noise, "length", "--noise"), _si(band, "length", "--band")
-    limits, heights = read_limits(limit), read_amounts(at, "length", "--at")
-    options = {
-        "engine_speeds": read_engine_speeds(engine_speed), "search": read_engine_speeds(search, "--search"), "draws": draws,
-        "models": read_models(spring), "spring_sets": read_names(spring_set), "workers": read_workers(workers),
-        "limit": ", ".join(limit or ())
-    }  # fmt: skip
+    file, stated, top = request.file, request.stated, request.top_dead_centre
     is_case = file is not None and file.suffix == ".toml"
-    top, centre = (
-        _si(top_dead_centre, "angle", "--top-dead-centre"), _si(lobe_centre, "angle", "--lobe-centre")
-    )  # fmt: skip
-    tables = [one for one in (file, exhaust) if one is not None]
-    named = [(one, read_lift(one, answers)) for one in tables[is_case:]]
+    tables = [path for path in (file, request.exhaust) if path is not None]
+    named = [(path, read_lift(path, request.answers)) for path in tables[is_case:]]
     if is_case and file is not None:
-        sampled, own_top = lift_of_case(file)
-        top, named = own_top if top is None else top, [(file, (sampled,)), *named]
-    cams = cams_of(events, file if is_case else None)
+        sampled, top_of_case = lift_of_case(file)
+        top, named = top_of_case if top is None else top, [(file, (sampled,)), *named]
+    cams = cams_of(request.events, file if is_case else None)
     if not (named or cams):
         raise InputError("a cam comes as a table of lifts, a case or --events; give one", "FILE")
-    if lobe or case is not None or exhaust is not None:
-        named = [(one, (chosen_lobe(found, lobe, one.name),)) for one, found in named]
+    if request.lobe or request.case is not None or request.exhaust is not None:
+        named = [(path, (chosen_lobe(lobes, request.lobe, path.name),)) for path, lobes in named]
     lobes, pair = _lobes(
-        [one for _, found in named for one in found], exhaust is not None, stated,
-        (heights, _si(lash, "length", "--lash") or 0.0)
-    )  # fmt: skip
-    circle = _si(base_radius, "length", "--base-radius")
-    lobes = [with_contour(one, circle, Follower.of(follower or "flat")) for one in lobes]
-    if not lobes and case is not None:
-        raise InputError("a case takes a lift, not events alone; give a table of lifts", "--case")
-    if lobes and top is None and centre is not None:
-        top = dead_centre_of(lobes[0], centre)
-    timing = {one.name: one for one in typed_figures(cams)}
+        [lobe for _, some in named for lobe in some],
+        request.exhaust is not None,
+        stated,
+        (request.at, request.lash),
+    )
+    follower = Follower.of(request.follower or "flat")
+    lobes = [with_contour(lobe, request.base_radius, follower) for lobe in lobes]
+    if not lobes and request.case is not None:
+        raise InputError("a case takes a lift, not events alone; give a table of lifts", "case")
+    if lobes and top is None and request.lobe_centre is not None:
+        top = dead_centre_of(lobes[0], request.lobe_centre)
+    timing = {event.name: event for event in typed_figures(cams)}
     if top is not None:
-        timing |= {one.name: one for one in read_off(lobes, top)}
+        timing |= {event.name: event for event in read_off(lobes, top)}
     carried = None
-    if case is not None:
-        carried = _carried(case, lift_parameters(lobes[0], *stated), options, limits)
-    own = lift_case(
+    if request.case is not None:
+        carried = _carried(request, lift_parameters(lobes[0], *stated))
+    case = lift_case(
         f"lift-{'events' if file is None else file.stem}", lobes[0] if lobes else None, *stated
     )
-    title = " and ".join(one.name for one in tables)
-    words = [
-        word
-        for key, one in read.items()
-        for word in (f"--{key.replace('_', '-')}", *([] if one is True else [str(one)]))
-    ]
-    again = shlex.join([str(file or ""), *words])
-    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried, again=again)
+    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried, again=request.again)
     name = "case" if carried is not None else lobes[0].measured.name if lobes else "events"
 
     def fill(folder: Path) -> list[Path]:
@@ -264,17 +291,26 @@ def lift(
             files.append(write_text(folder / "case.toml", carried.mean.record.text))
         return files
 
-    data = _data(facts)
-    deliver(saved_result(
-        SavedRequest("lift", own, output), own.text, data,
-        lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures
-    ))  # fmt: skip
+    def show(folder: Path) -> LiftAnswer:
+        title = " and ".join(path.name for path in tables)
+        return LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title)
+
+    saved = SavedRequest("lift", case, line.output)
+    deliver(
+        saved_result(
+            saved,
+            case.text,
+            _data(facts),
+            show,
+            fill,
+            request.given,
+            line.open_page,
+            facts.failures,
+        )
+    )
 
 
-def _si(text: str | None, dimension: str, flag: str) -> float | None:
-    from valvetrain.units import parse_quantity
-
-    return None if text is None else parse_quantity(text, dimension, flag)
+register = command_of(LiftRequest, SavedLine, lift)
 
 
 def _lobes(
@@ -300,30 +336,38 @@ def _lobes(
     return results, pair_figures(known["intake"], known["exhaust"], figures[0]) if both else ()
 
 
-def _carried(
-    name: str, law: LiftLawParameters, options: dict[str, Any], limits: Limits
-) -> LiftBandStudy:
+def _carried(request: LiftRequest, law: LiftLawParameters) -> LiftBandStudy:
     """Forces and critical speeds of a case with this ``law``, over the laws that its stations allow."""
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.files import case_with
-    from valvetrain.parameters.loading import load_case
     from valvetrain.runs.cost import RunRequest, refuse_cost
 
-    case = load_case(name)
+    case, draws = request.case, request.draws
+    assert case is not None
     if case.lift_law is not None and case.lift_law.lift_of != law.lift_of:
         raise InputError(
             f"case '{case.name}' is driven by the lift of the {case.lift_law.lift_of}, the table holds the {law.lift_of}'s; "
             "give a table of the other or another case",
-            "--case",
+            "case",
         )
-    carried, draws = case_with(case, law), options["draws"]
-    run = (options[key] for key in ("engine_speeds", "models", "spring_sets", "workers"))
-    cost = band_cost(RunRequest("run", carried, *run), draws, options["search"])
-    refuse_cost(cost, limits, fewer=FEWER_LAWS)
+    carried = case_with(case, law)
+    options = request.engine_speeds, request.models, request.spring_sets, request.worker_count
+    cost = band_cost(RunRequest("run", carried, *options), draws, request.search)
+    refuse_cost(cost, request.limit, fewer=FEWER_LAWS)
     announce_compilation("train")
     with progress_bar(f"{case.name} with {draws} laws") as report:
-        return lift_band_study(carried, progress=report, **options)
+        return lift_band_study(
+            carried,
+            request.engine_speeds,
+            draws=draws,
+            search=request.search,
+            models=request.models,
+            spring_sets=request.spring_sets,
+            workers=request.worker_count,
+            progress=report,
+            limit=request.limit,
+        )
 
 
 def _data(facts: LiftFacts) -> dict[str, Any]:

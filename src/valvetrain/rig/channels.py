@@ -6,29 +6,16 @@ All questions that the file and the user leave open are listed in one sentence.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.tables import UNIT_NAMES, Array
-from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.schema_types import (
-    Angle,
-    Angles,
-    Table,
-    problem,
-    quantities,
-    table,
-)
-from valvetrain.parameters.schema_types import (
-    quantity as amount,
-)
 from valvetrain.rig.reader import Recording, RigChannel
+from valvetrain.rig.request import RigAnswers
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import (
     DIMENSIONS,
@@ -39,73 +26,6 @@ from valvetrain.units import (
 
 #: How the question of the dwell reads in a refusal.
 DWELL = "the dwell in which the zero is taken, such as '-30, 30 deg'"
-RigFrequency = Annotated[float, amount("frequency", low=0.0, high=1e9, open_low=True)]
-
-
-@table("the recording")
-class RigAnswers(Table):
-    """Answers to what a recording leaves open; what is empty is left to the file.
-
-    Parameters
-    ----------
-    channels : quantity -> name of its channel, such as ``{"spring_force": "Force 1"}``; found by
-        the channels' names where empty
-    encoder : name of the channel of an encoder's angle
-    pulses : name of the channel of a toothed wheel or encoder track
-    index : name of the channel that marks one position of that wheel
-    once : name of a channel of one pulse per revolution
-    angle_of : ``cam`` or ``crank``: the shaft on which encoder, wheel or pulse sit
-    teeth, missing : positions on the wheel, and how many adjacent ones of them are cut away
-    units : quantity, or ``encoder``, -> unit, where the file does not give it or gives a wrong one
-    calibration : quantity -> value of one unit of its channel, such as
-        ``{"spring_force": "2.5 N"}`` for a bridge in um/m; of a shunt its load over the step that it makes
-    zero : quantity -> its value in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
-        zero there unless specified otherwise
-    dwell : first and last cam angle of the dwell, such as "-30, 30 deg"; found from the lift, where there is one
-    band : Hz, or text; the highest frequency retained of every channel, such as the bandwidth
-        of the gauge
-    angle_count : points per cam revolution; enough for the band, where None
-    offset : cam angle of the case at the mark of the rig; found from the lift, where a case is
-        given
-    sampling_rate : 1/s, or text; where the file has no times
-    span : first and last time that are used, such as "2, 5 s"
-    keep_outliers : retain cycles that differ from all others
-
-    >>> RigAnswers(angle_of="crank", teeth=60, missing=2, band="20 kHz").band
-    20000.0
-    """
-
-    channels: Mapping[str, str] = FrozenMapping()
-    encoder: str = ""
-    pulses: str = ""
-    index: str = ""
-    once: str = ""
-    angle_of: Literal["", "cam", "crank"] = ""
-    teeth: Annotated[int, Field(ge=1, le=100_000)] | None = None
-    missing: Annotated[int, Field(ge=0, le=10)] = 0
-    units: Mapping[str, str] = FrozenMapping()
-    calibration: Mapping[str, str] = FrozenMapping()
-    zero: Mapping[str, str] = FrozenMapping()
-    dwell: Angles | None = None
-    band: RigFrequency | None = None
-    angle_count: Annotated[int, Field(ge=8, le=28_800)] | None = None
-    offset: Angle | None = None
-    sampling_rate: RigFrequency | None = None
-    span: Annotated[tuple[float, ...], quantities("time")] | None = None
-    keep_outliers: bool = False
-
-    def __post_init__(self) -> None:
-        for name, example in (("dwell", "-30, 30 deg"), ("span", "2, 5 s")):
-            if (ends := getattr(self, name)) is not None and len(ends) != 2:
-                raise problem(f"the {name} has two ends, first and last: '{example}'")
-        if self.span is not None and not self.span[0] < self.span[1]:
-            raise problem("the span ends before it begins; give first and last time")
-        if self.teeth is not None and self.missing >= self.teeth:
-            raise problem(
-                f"{self.missing} missing teeth of {self.teeth} leave none; teeth counts those that are missing too"
-            )
-
-
 #: Pattern of a channel's name -> quantity; the first that fits.
 _MEANINGS = (
     (r"retainer.?force", "retainer_force"), (r"seat.?force", "seat_force"), (r"force|kraft|load", "spring_force"),
@@ -184,7 +104,7 @@ def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -
         )
     angle = sampled(shaft)
     if kind == "encoder":
-        unit = answers.units.get("encoder") or shaft.unit
+        unit = answers.unit.get("encoder") or shaft.unit
         factor, dimension = _unit_scale(unit or "deg", "angle")
         if dimension != "angle":
             raise InputError(
@@ -324,7 +244,7 @@ def _open_questions(
     for quantity, channel in measured.items():
         if quantity in answers.calibration:
             continue
-        unit, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
+        unit, due = answers.unit.get(quantity) or channel.unit, dimension_due(quantity)
         label = f"{quantity} ('{channel.name[:40]}'"
         if not unit and due != "ratio":
             questions.append(("unit", f"the unit of {label})"))
@@ -356,7 +276,7 @@ def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[flo
     if quantity in answers.calibration:
         calibration = answers.calibration[quantity]
         return parse_quantity(calibration, due, f"calibration of {quantity}"), si_unit
-    unit = answers.units.get(quantity) or channel.unit
+    unit = answers.unit.get(quantity) or channel.unit
     return (_unit_scale(unit, due)[0] if unit else 1.0), si_unit
 
 

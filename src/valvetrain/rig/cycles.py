@@ -14,7 +14,6 @@ from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.rig.alignment import Array, Lift, align_lift
 from valvetrain.rig.channels import (
     DWELL,
-    RigAnswers,
     RigQuantity,
     choose_channels,
     dimension_due,
@@ -31,6 +30,7 @@ from valvetrain.rig.cutting import (
     set_to_zero,
 )
 from valvetrain.rig.reader import Recording, read_recording
+from valvetrain.rig.request import RigAnswers
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_spread
 from valvetrain.rig.shaft import REVOLUTION, ShaftAngle, shaft_of
 from valvetrain.system.build import build

@@ -15,8 +15,9 @@ from scipy.interpolate import BSpline, CubicSpline, PchipInterpolator, make_smoo
 from scipy.ndimage import median_filter
 
 from valvetrain.errors import InputError
-from valvetrain.rig.channels import ChosenChannels, RigAnswers
+from valvetrain.rig.channels import ChosenChannels
 from valvetrain.rig.reader import Array, RigChannel
+from valvetrain.rig.request import RigAnswers
 
 Numbers = NDArray[np.int64]
 REVOLUTION = 2 * np.pi

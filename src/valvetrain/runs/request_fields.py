@@ -7,12 +7,13 @@ is the option on the command line and the argument in Python.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from numbers import Integral
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from valvetrain import registry
 from valvetrain.errors import InputError, UnknownNameError
@@ -77,7 +78,17 @@ class Fields:
     ``typed``: the texts that its fields were read from.
     """
 
+    command: ClassVar[str]
+
     typed: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def given(self) -> dict[str, str]:
+        """What was given, as it was typed or as text."""
+        values = {name: getattr(self, name) for name in options_of(type(self))}
+        return {
+            name: str(value) for name, value in values.items() if value and name != "case"
+        } | dict(self.typed)
 
     @classmethod
     def read(cls, given: Mapping[str, Any], flags: bool = False) -> Self:
@@ -95,7 +106,32 @@ class Fields:
                 place = options[name].flag if flags else name
                 values[name] = options[name].read(value, place)
         typed = {name: value for name, value in given.items() if isinstance(value, str)}
-        return cls(**values, typed=typed)
+        with flagged(options if flags else {}):
+            return cls(**values, typed=typed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answers(Fields):
+    """Fields whose constructor reads text too."""
+
+    def __post_init__(self) -> None:
+        """Read every value that is not the default."""
+        for one in dataclasses.fields(self):
+            if "option" in one.metadata and (value := getattr(self, one.name)) is not one.default:
+                read = one.metadata["option"].read
+                object.__setattr__(self, one.name, read(value, one.name))
+
+
+@contextmanager
+def flagged(options: Mapping[str, Option]) -> Iterator[None]:
+    """Refusals within name the option of a field and not the field."""
+    try:
+        yield
+    except InputError as error:
+        name = error.where.partition(" of the ")[0]  # so are fields of a table
+        if name not in options:
+            raise
+        raise InputError(error.reason, options[name].flag) from error
 
 
 def read_case(given: Any, where: str) -> Any:
@@ -152,6 +188,37 @@ def read_names(given: Any, where: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(filter(None, parts)))
 
 
+def read_words(given: Any, where: str) -> tuple[str, ...]:
+    """Words in their order; a text lists them with commas."""
+    parts = given.split(",") if isinstance(given, str) else given
+    return tuple(filter(None, map(str.strip, parts)))
+
+
+class Pairs(dict[str, str]):
+    """Texts by quantity."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+
+def read_pairs(given: Any, where: str) -> Pairs:
+    """``QUANTITY=VALUE``, each once."""
+    if isinstance(given, Mapping):
+        return Pairs(given)
+    pairs = Pairs()
+    for text in (given,) if isinstance(given, str) else given:
+        quantity, _, value = (part.strip() for part in text.partition("="))
+        name = quantity.replace(" ", "_")
+        if not value or not name.isidentifier() or not name.isascii() or len(name) > 60:
+            raise InputError(
+                f"'{text[:40]}' is no pair; write QUANTITY=..., such as 'spring_force=...'", where
+            )
+        if name in pairs:
+            raise InputError(f"{name} is given twice; give it once", where)
+        pairs[name] = value
+    return pairs
+
+
 def read_models(given: Any, where: str) -> tuple[str, ...]:
     """Names of spring models, given by name, class, instance or function."""
     parts = given if isinstance(given, Sequence) and not isinstance(given, str) else (given,)
@@ -183,6 +250,15 @@ def read_choice(names: tuple[str, ...], given: Any, where: str) -> str:
     return "".join(read_choices(names, given, where)[:1])
 
 
+def read_within(name: str, low: float, high: float, given: Any, where: str) -> float:
+    """An amount of the quantity or dimension ``name`` between ``low`` and ``high`` (SI)."""
+    value = si(given, name, where)
+    if not low <= value <= high:
+        text = clipped(str(given))
+        raise InputError(f"'{text}' is outside {low:g} to {high:g} in SI units; correct it", where)
+    return value
+
+
 def read_positive(name: str, given: Any, where: str) -> float:
     """An amount of the quantity or dimension ``name`` (SI) above zero."""
     value = si(given, name, where)
@@ -202,7 +278,11 @@ def read_amount(name: str, given: Any, where: str) -> float:
 def read_amounts(name: str, given: Any, where: str) -> tuple[float, ...]:
     """Amounts of the quantity or dimension ``name`` (SI), each text one or several: ``'200, 400 N'``."""
     parts = given if isinstance(given, (list, tuple)) else (given,)
-    return tuple(value for part in parts for value in si_each(part, name, where))
+    return tuple(
+        value
+        for part in parts
+        for value in si_each(part if isinstance(part, str) else (part,), name, where)
+    )
 
 
 def read_count(low: int, high: int, given: Any, where: str) -> int:

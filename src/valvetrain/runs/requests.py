@@ -61,8 +61,6 @@ class Watch:
 class Limited(Fields):
     """A request that may cost so much."""
 
-    command: ClassVar[str]
-
     limit: Limits = option(
         read_limit,
         "Raise the limits of 10 min and 2 GB for this request: '2 h', '8 GB'. Repeatable.",

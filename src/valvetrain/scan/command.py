@@ -4,87 +4,115 @@ next to it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from valvetrain.cli.options import (
-    JsonOption,
-    OpenOption,
-    OutputOption,
-    QuietOption,
-    asking,
-    take_folder,
-)
-from valvetrain.cli.run_answer import SavedRequest, saved_result
+from valvetrain.cli.request import FolderLine, command_of
 from valvetrain.errors import InputError
+from valvetrain.runs.request_fields import (
+    Answers,
+    option,
+    read_case,
+    read_count,
+    read_path,
+    read_switch,
+    read_text,
+)
 
 if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case
     from valvetrain.scan.compare import ScanComparison
     from valvetrain.scan.result import ScannedSpring
 
-#: Argument of :func:`spring_from_scan` -> its option, what follows that, and its help.
-ASKED = {
-    "unit": ("--unit", "UNIT", "Unit of the coordinates: mm, m, inch, where the file gives none."),
-    "material": ("--material", "NAME", "Wire by name (default: the design's, else EN 10270-2 VDSiCr)."),
-    "name": ("--name", "NAME", "Name of the spring in the results."),
-    "turn_over": ("--turn-over", "", "Swap the ends: the end taken as upper becomes the lower one."),
-    "points": ("--points", "N", "Largest number of points in the fit, drawn evenly (100 000)."),
-    "design": ("--design", "CASE", "Case of the design: sizes, curves, statics, modes next to it."),
-}  # fmt: skip
+
+@dataclass(frozen=True, kw_only=True)
+class ScanRequest(Answers):
+    """The spring of a scan, next to its design where one is given."""
+
+    command = "scan"
+
+    file: Path = option(
+        read_path,
+        "Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.",
+        metavar="FILE",
+    )
+    unit: str = option(
+        read_text,
+        "Unit of the coordinates: mm, m, inch, where the file gives none.",
+        "--unit",
+        "UNIT",
+        default="",
+    )
+    material: str = option(
+        read_text,
+        "Wire by name (default: the design's, else EN 10270-2 VDSiCr).",
+        "--material",
+        "NAME",
+        default="",
+    )
+    name: str = option(
+        read_text, "Name of the spring in the results.", "--name", "NAME", default="spring"
+    )
+    turn_over: bool = option(
+        read_switch,
+        "Swap the ends: the end taken as upper becomes the lower one.",
+        "--turn-over",
+        default=False,
+    )
+    points: int = option(
+        partial(read_count, 1500, 2_000_000),
+        "Largest number of points in the fit, drawn evenly.",
+        "--points",
+        "N",
+        default="100000",
+    )
+    design: Case | None = option(
+        read_case,
+        "Case of the design: sizes, curves, statics, modes next to it.",
+        "--design",
+        "CASE",
+    )
+
+    def __post_init__(self) -> None:
+        """Raise :class:`InputError` for what a design decides itself."""
+        super().__post_init__()
+        for name, why in (
+            ("turn_over", "the curves of both decide which end is up"),
+            ("material", "the wire is of its material"),
+        ):
+            if self.design is not None and getattr(self, name):
+                raise InputError(f"with a design {why}; leave --{name.replace('_', '-')} out", name)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("scan")(asking(scan, ASKED))
-
-
-def scan(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE",
-            help="Point cloud or mesh: PLY, STL, OBJ or text with x, y, z; read by content.",
-        ),
-    ],
-    output: OutputOption = None,
-    open_page: OpenOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-    *,
-    answers: dict[str, Any],
-) -> None:
+def scan(request: ScanRequest, line: FolderLine, _: Path) -> None:
     """Spring definition from a 3-D scan: wire axis, section, diameter and pitch with their scatter;
     compared with its design.
     """
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, busy
+    from valvetrain.cli.run_answer import SavedRequest, saved_result
     from valvetrain.findings.words import Words
-    from valvetrain.parameters.loading import load_case, parse_case
+    from valvetrain.parameters.loading import parse_case
     from valvetrain.parameters.material import material_by_name
     from valvetrain.scan.answer import ScanAnswer
     from valvetrain.scan.compare import compare_scan, design_spring
     from valvetrain.scan.reconstruct import spring_from_scan
     from valvetrain.units.reader import shown_system
 
-    take_folder(output)
-    choices = {name: str(value) for name, value in answers.items()}
-    case = load_case(answers.pop("design")) if "design" in answers else None
+    case, compared = request.design, None
     if case is not None:
         design_spring(case)
-        for name, why in (
-            ("turn_over", "the curves of both decide which end is up"),
-            ("material", "the wire is of its material"),
-        ):
-            if name in answers:
-                flag = ASKED[name][0]
-                raise InputError(f"with a design {why}; leave {flag} out", flag)
-    if "material" in answers:
-        answers["material"] = material_by_name(answers["material"])
     with busy("fitting the wire to the points"):
-        scanned = spring_from_scan(file, **answers)
-    compared = None
+        scanned = spring_from_scan(
+            request.file,
+            unit=request.unit,
+            material=material_by_name(request.material) if request.material else None,
+            name=request.name,
+            turn_over=request.turn_over,
+            points=request.points,
+        )
     if case is not None:
         announce_compilation("statics")
         with busy("design and scan at rest"):
@@ -96,12 +124,17 @@ def scan(
         return ScanAnswer(scanned, compared, words=words)
 
     answer = ScanAnswer(scanned, compared)
-    request = SavedRequest("scan", parse_case(answer.text, "scan"), output)
+    saved = SavedRequest("scan", parse_case(answer.text, "scan"), line.output)
     data = _data(scanned, compared)
     failures = () if compared is None else compared.failures
     deliver(
-        saved_result(request, answer.text, data, show, answer.write, choices, open_page, failures)
+        saved_result(
+            saved, answer.text, data, show, answer.write, request.given, line.open_page, failures
+        )
     )
+
+
+register = command_of(ScanRequest, FolderLine, scan)
 
 
 def _data(scanned: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
