@@ -10,9 +10,9 @@ import pytest
 
 from unit.cli_parts import call, sentence, typed
 from valvetrain import __version__
-from valvetrain.cli.options import read_engine_speeds
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
+from valvetrain.runs.request_fields import read_speeds
 
 
 @pytest.fixture(autouse=True)
@@ -171,13 +171,13 @@ def test_a_set_value_loses_the_note_of_the_value_it_replaces():
 
 def test_engine_speeds_are_read_in_rpm_and_ranges_hold_both_ends():
     rpm = np.pi / 30
-    assert read_engine_speeds("4200, 5600 rpm") == pytest.approx((4200 * rpm, 5600 * rpm))
-    assert read_engine_speeds("70 rev/s") == pytest.approx((4200 * rpm,))
-    assert read_engine_speeds("1000:9000:100 rpm") == pytest.approx(
+    assert read_speeds("4200, 5600 rpm", "--rpm") == pytest.approx((4200 * rpm, 5600 * rpm))
+    assert read_speeds("70 rev/s", "--rpm") == pytest.approx((4200 * rpm,))
+    assert read_speeds("1000:9000:100 rpm", "--rpm") == pytest.approx(
         [speed * rpm for speed in range(1000, 9001, 100)]
     )
-    assert read_engine_speeds("1000:1950:100 rpm")[-1] == pytest.approx(1900 * rpm)
+    assert read_speeds("1000:1950:100 rpm", "--rpm")[-1] == pytest.approx(1900 * rpm)
     for text in ("1000:9000:100", "4200, 5600", "4.2e3", " 3000 "):  # numbers alone are rpm
-        assert read_engine_speeds(text) == read_engine_speeds(f"{text} rpm")
+        assert read_speeds(text, "--rpm") == read_speeds(f"{text} rpm", "--rpm")
     with pytest.raises(InputError, match="is a length"):
-        read_engine_speeds("3000 mm")
+        read_speeds("3000 mm", "--rpm")

@@ -151,7 +151,7 @@ def test_aliases_are_where_sampling_folds_them():
         (("--cam-speed", "1000 rpm", "--scale", "12 mm"), "4 numbers of pixels"),
         (("--marker", "900, 4"), "outside the picture"),
         (("--cam-speed", "1000 rpm", "--coils", "30"), "no frame shows more than 6"),
-        (("--cam-speed", "1000 rpm", "--seat", "left"), "--seat: 'left' is not among"),
+        (("--cam-speed", "1000 rpm", "--seat", "left"), "--seat: 'left' is not available"),
         (("--cam-speed", "1000 rpm", "--dwell", "30 deg"), "no window"),
         (("--cam-speed", "1000 rpm", "--first-frame", "9", "--last-frame", "3"), "count from 0"),
         (("--cam-speed", "1000 rpm", "--first-frame", "290"), "only 10 can be read"),
