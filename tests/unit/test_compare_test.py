@@ -164,22 +164,6 @@ def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
     assert rows[:, 2] - rows[:, 1] == pytest.approx(rows[:, 3], abs=1e-5)
 
 
-def test_which_model_is_closer_is_students_test_of_the_squares():
-    test = cycles(bias=1.0)
-    found = compared(test, models=("massless", "multi-mass"))
-    assert [one.label for one in found.runs] == ["multi-mass", "massless"]
-    squares = [np.mean((one.curve - test.values) ** 2, axis=1) for one in found.runs]
-    due = stats.ttest_rel(*squares)
-    (row,) = found.closer
-    assert (row.student, row.p_value) == pytest.approx((due.statistic, due.pvalue), rel=1e-6)
-    (told,) = AgainstTestAnswer(found).findings.by("T220")
-    assert told.fields["near"] == "multi-mass" and row.p_value < 0.05
-    same = compared(cycles(count=4, size=60.0), models=("massless", "multi-mass"))
-    (other,) = AgainstTestAnswer(same).findings.by("T220")
-    assert same.closer[0].p_value > 0.05 and other.fields["sure"] != told.fields["sure"]
-    assert "T220" not in codes(compared(test))
-
-
 def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     one = compared(cycles(1))
     assert one.best.adequacy is None and one.best.band is None

@@ -109,8 +109,7 @@ class AgainstTestAnswer(ShownByRules):
         scatter = "" if math.isnan(near[0].scatter) else f"± {self._say(near[0].scatter)}"
         reach = "" if test is None else f"{self._say(test.refutable)} allowed"
         yield Line("difference, rms", (scatter, *(self._say(one.rms) for one in near)), mark, reach)
-        closer = [one.remark for one in self.findings.about(("closer",))]
-        yield Line("largest difference", ("", *map(self._worst, runs)), "", ", ".join(closer))
+        yield Line("largest difference", ("", *map(self._worst, runs)))
         peaks = (float(one.curve.max()) for one in runs if one.curve is not None)
         yield Line(
             "largest value", tuple(self._say(one, 4) for one in (float(cycles.mean.max()), *peaks))

@@ -8,18 +8,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from valvetrain import registry
-from valvetrain.compare_test.adequacy import LEVEL, ring_weights
+from valvetrain.compare_test.adequacy import LEVEL
 from valvetrain.compare_test.comparison import (
-    CloserRow,
     ComparisonRequest,
     RunAgainstTest,
     Stage,
     against_cycles,
     against_values,
-    closer,
     read_shared,
 )
 from valvetrain.compare_test.reader import (
@@ -56,7 +52,7 @@ from valvetrain.units import Given, known_arguments, si
 class ModelAgainstTest(Reported):
     """Result of the comparison of a model with a test.
 
-    ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
+    ``runs`` are sorted, the nearest to the test first.
     ``study``: the computation; ``test``: as it was compared (whole cycles). ``notes``: what was
     found or assumed on the way; ``failures``: a sentence per run that did not complete. ``separate``: how many
     separate cycles successive ones that are alike are worth, NaN where they are not alike.
@@ -72,7 +68,6 @@ class ModelAgainstTest(Reported):
     study: Study
     test: MeasuredCycles | ValueTable
     runs: tuple[RunAgainstTest, ...]
-    closer: tuple[CloserRow, ...] = ()
     notes: tuple[str, ...] = ()
     failures: tuple[str, ...] = ()
     separate: float = math.nan
@@ -277,12 +272,6 @@ def _with_cycles(
         for run in _with_curve(runs, whole, active)
     ]
     judged.sort(key=lambda run: run.agreement.rms if run.agreement is not None else math.inf)
-    weights, _ = ring_weights(whole.cam_angle)
-    rows = tuple(
-        closer(judged[0], other, whole.values, weights, (judged[0].curve, other.curve))
-        for other in judged[1:]
-        if judged[0].curve is not None and other.curve is not None
-    )
     notes = request.notes
     if request.shared:
         notes = (
@@ -293,7 +282,6 @@ def _with_cycles(
         study,
         whole,
         tuple(judged),
-        rows,
         (*notes, *whole.notes),
         separate=separate_cycles(whole),
     )
@@ -351,18 +339,5 @@ def _with_values(
         still = {**study.still.get("", {}), **study.still.get(spring_set, {})}
         judged.append(against_values(mine, still, request, test.values, active.get(label, {})))
     judged.sort(key=lambda run: math.inf if run.adequacy is None else run.adequacy.ratio)
-    rows: list[CloserRow] = []
-    if test.repeats > 1 and judged:
-        curves = np.array(
-            [[row.model for row in run.values if row.kind == "value"] for run in judged]
-        )
-        common = np.isfinite(curves).all(axis=0)
-        matrix = np.array([value.repeats for value in test.values])[common].T
-        even = np.full(int(common.sum()), 1 / max(1, int(common.sum())))
-        rows = [
-            closer(judged[0], other, matrix, even, (curves[0][common], curve[common]))
-            for other, curve in zip(judged[1:], curves[1:], strict=True)
-            if common.any()
-        ]
     notes = (*request.notes, *test.notes)
-    return ModelAgainstTest(study, test, tuple(judged), tuple(rows), notes)
+    return ModelAgainstTest(study, test, tuple(judged), notes)

@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtr
 
 from valvetrain.compare_test.adequacy import (
     LEVEL,
@@ -229,20 +228,6 @@ class RunAgainstTest:
     values: tuple[ValueRow, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class CloserRow:
-    """Two runs compared: their mean squares from the test, and Student's t of the difference over
-    the repeats with its chance (both NaN for one repeat).
-    """
-
-    first: str
-    second: str
-    first_square: float
-    second_square: float
-    student: float
-    p_value: float
-
-
 def against_cycles(
     run: Solution,
     cycles: MeasuredCycles,
@@ -440,25 +425,3 @@ def _model_of(
     if not math.isfinite(measured.cam_angle):
         return math.nan, math.nan
     return float(trace.at(np.array([measured.cam_angle]))[0]), math.nan
-
-
-def closer(
-    near: RunAgainstTest,
-    far: RunAgainstTest,
-    values: Array,
-    weights: Array,
-    curves: tuple[Array, Array],
-) -> CloserRow:
-    """Two runs against repeats (repeats, places): the difference of their squares follows from every
-    repeat, so Student's t judges it.
-    """
-    first, second = curves
-    mean = values.mean(axis=0)
-    squares = [float(weights @ (curve - mean) ** 2) for curve in (first, second)]
-    single = ((first - values) ** 2 - (second - values) ** 2) @ weights
-    repeats, student = len(values), math.nan
-    if repeats > 1:
-        off, error = float(np.mean(single)), float(np.std(single, ddof=1)) / math.sqrt(repeats)
-        student = off / error if error > 0 else math.copysign(math.inf, off) if off else 0.0
-    chance = 2 * float(stdtr(repeats - 1, -abs(student)))
-    return CloserRow(near.label, far.label, squares[0], squares[1], student, chance)

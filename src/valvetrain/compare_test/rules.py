@@ -222,16 +222,6 @@ def alike(facts: AgainstTest) -> Iterator[Hit]:
         )
 
 
-def closer(facts: AgainstTest) -> Iterator[Hit]:
-    """Another model is further from the test; whether by more than the scatter of the cycles explains."""
-    for row in facts.result.closer:
-        if math.isfinite(row.p_value):
-            sure = "is closer than" if row.p_value < 0.05 else "cannot be told from"
-            yield Hit(
-                fields={"near": row.first, "far": row.second, "sure": sure}, severity=row.p_value
-            )
-
-
 def no_common_error(facts: AgainstTest) -> bool:
     """Whether no error is stated that all cycles, or all values of a table, share."""
     tests = [run.adequacy for run in facts.result.runs[:1] if run.adequacy is not None]
@@ -259,7 +249,6 @@ RULES = (
     Rule("T214", "warns", "{count} repeats hardly show the scatter, so the test refutes too readily; give four or more", few),
     Rule("T215", "warns", "successive cycles are alike: {count} count as {fewer}, so the test refutes too readily", alike,
          step="give cycles further apart"),
-    Rule("T220", "notes", "{near} {sure} {far} by the scatter of the test", closer, ("closer",), remark="{near} {sure} {far}"),
     Rule("T290", "notes", "curves are compared at the cam angles of the file; no shift is taken away",
          when(lambda facts: facts.cycles is not None, "Cycles are compared."), remark="cam angles as in the file"),
     Rule("T291", "notes", "no error is stated that all share, of zero, calibration or angle", when(no_common_error, no_common_error.__doc__ or ""),

@@ -18,13 +18,6 @@ from valvetrain.views.columns import RowColumn, csv_row, csv_text, json_row
 
 Columns = tuple[RowColumn, ...]
 MODEL = RowColumn("model", value="label")
-CLOSER: Columns = tuple(
-    RowColumn(value=value, key=key)
-    for value, key in (
-        ("first", "first"), ("second", "second"), ("first_square", "first_mean_square"), ("second_square", "second_mean_square"),
-        ("student", "student"), ("p_value", "p_value")
-    )
-)  # fmt: skip
 
 
 def agreement_columns(name: str = "", cam_speed: float = math.nan) -> Columns:
@@ -125,7 +118,6 @@ def compare_test_json(result: ModelAgainstTest) -> dict[str, Any]:
         "repeats": len(test.values) if isinstance(test, MeasuredCycles) else test.repeats,
         "notes": list(result.notes),
         "runs": [_run(run, result.study.engine_speeds[0] / 2) for run in result.runs],
-        "closer": [json_row(CLOSER, row) for row in result.closer],
     }
 
 
