@@ -27,7 +27,7 @@ def film(request: FilmRequest, line: SavedLine, folder: Path) -> None:
     from valvetrain.film.motion import coil_motion
 
     case, model, synthetic = request.case, None, request.synthetic
-    lift = _lift(request.lift, case)
+    lift = _lift(request.lift_table, case)
     with busy("following the coils"):
         motion = coil_motion(request.film, request, lift, synthetic)
     if case is not None:

@@ -192,7 +192,7 @@ class FilmRequest(FilmSetup):
     film: Path = option(
         read_path, "A video, or a folder of its frames as pictures.", metavar="FILE_OR_FOLDER"
     )
-    lift: Path | None = option(
+    lift_table: Path | None = option(
         read_path, "Table of lifts with headed columns, which gives the phase.", "--lift", "FILE"
     )
     case: Case | None = option(
@@ -226,7 +226,7 @@ class FilmRequest(FilmSetup):
         super().__post_init__()
         if self.case is None and (self.models or self.spring or self.first_turn is not None):
             raise InputError("a model is run with a case; name it with --case", "case")
-        if self.free_decay and (self.case or self.lift or self.marker):
+        if self.free_decay and (self.case or self.lift_table or self.marker):
             raise InputError(
                 "a free decay has no cam; leave out --case, --lift and --marker, or --free-decay",
                 "free_decay",
