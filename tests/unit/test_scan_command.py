@@ -118,7 +118,7 @@ def test_turned_over_twice_is_the_same(folder, answer):
         ((), "does not give the unit of its points"),
         (("--unit", "kg"), "no unit of length"),
         (("--unit", "m"), "which no valve spring is"),
-        (("--unit", "mm", "--points", "10"), "points cannot be fitted"),
+        (("--unit", "mm", "--points", "10"), "--points: 10 is outside 1500"),
         (("--unit", "mm", "--design", "job-t", "--turn-over"), "leave --turn-over out"),
         (
             ("--unit", "mm", "--design", "job-t", "--material", "OTEVA 90 SC"),

@@ -160,7 +160,7 @@ def test_a_table_and_loads_are_not_taken_together(tmp_path, monkeypatch):
     shown = invoke(*CARD, *LOADS, str(table(tmp_path)))
     assert shown.exit_code == 2 and "a table holds the loads" in shown.output
     for more, words in (
-        (("--closes", "middle"), "lower, upper or both"),
+        (("--closes", "middle"), "use lower, upper, both"),
         (("--installed-height", "60 mm"), "the table holds heights"),
     ):
         shown = invoke(*CARD, str(table(tmp_path)), *more)
