@@ -162,7 +162,9 @@ class RigRequest(RigAnswers):
     command = "rig"
 
     file: Path = option(
-        read_path, "Recording: text, MDF, TDMS or MAT; read by content.", metavar="FILE"
+        read_path,
+        "Recording: text, MDF, TDMS, MAT, HDF5 or UFF58; read by content.",
+        metavar="FILE",
     )
     case: Case | None = option(
         read_case, "Case whose lift gives the cam angle of the mark.", "--case", "CASE"
