@@ -40,11 +40,11 @@ from validation.calculix.transient import TransientJob, run_transient
 
 from valvetrain.cam import build_lift_law
 from valvetrain.continuum.mesh import MeshOptions
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import save_netcdf
 
@@ -254,7 +254,7 @@ def run_ends(treatment: Literal["bonded", "ground"]) -> dict[str, Any]:
     """Six-turn closed and ground spring, bonded turns or truly ground and bonded end faces, with
     seat planes and self-contact.
     """
-    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0)
+    spring = SpringDefinition(3.8e-3, 22e-3, 7e-3, total_coils=6.0, material=OTEVA_90_SC)
     model = SolidSpring(
         spring, MeshOptions(24, 2, 1, ends=treatment), SolidContact(), time_limit=600.0
     )

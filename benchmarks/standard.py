@@ -12,10 +12,9 @@ from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.transient import RodTransient, simulate
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
 
 Array = NDArray[np.float64]
 
@@ -43,16 +42,8 @@ def motion(time: Array | float) -> Array:
 
 def spring_t() -> SpringDefinition:
     """The uniform open spring of jobs T, S and M."""
-    return cylindrical(
-        4e-3,
-        24e-3,
-        7.5e-3,
-        6.0,
-        material=STEEL,
-        closed_coils=0.0,
-        lower_end=OPEN_END,
-        upper_end=OPEN_END,
-        name="T",
+    return SpringDefinition(
+        4e-3, 24e-3, 7.5e-3, total_coils=6.0, material=STEEL, ends="open", name="T"
     )
 
 
@@ -63,8 +54,8 @@ def spring_c(pitch_factor: float = 1.0) -> SpringDefinition:
     pitch = PiecewiseLinear(
         (0.0, 1.25, 1.75, 6.0), (4.4e-3, 4.4e-3, 8.533e-3 * pitch_factor, 8.533e-3 * pitch_factor)
     )
-    return cylindrical(
-        4e-3, 24e-3, pitch, 6.0, material=STEEL, lower_end=OPEN_END, upper_end=OPEN_END, name="C"
+    return SpringDefinition(
+        4e-3, 24e-3, pitch, total_coils=6.0, material=STEEL, ends="open", name="C"
     )
 
 

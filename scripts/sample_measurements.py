@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import material_by_name
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.solution.atomic import write_text
 from valvetrain.spring_card.fit import forces_at
 
@@ -31,13 +32,13 @@ def progressive_spring() -> SpringDefinition:
     end = EndCoil("closed-ground", 1.0, 0.5)
     pitch = PiecewiseLinear(TURNS, tuple(1e-3 * value for value in PITCHES))
     return SpringDefinition(
-        4e-3,  # type: ignore[arg-type]
-        24e-3,  # type: ignore[arg-type]
+        4e-3,
+        24e-3,
         pitch,
-        8.0,
-        material_by_name("EN 10270-2 VDSiCr"),
-        end,
-        end,
+        total_coils=8.0,
+        material=material_by_name("EN 10270-2 VDSiCr"),
+        lower_end=end,
+        upper_end=end,
     )
 
 

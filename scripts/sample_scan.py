@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import material_by_name
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.solution.atomic import write_bytes, write_text
 
 Array = NDArray[np.float64]
@@ -207,37 +208,37 @@ def springs() -> dict[str, SpringDefinition]:
         "beehive": beehive,
         "beehive-as-made": as_made(beehive),
         "cylindrical": SpringDefinition(
-            3.6e-3,  # type: ignore[arg-type]
-            24e-3,  # type: ignore[arg-type]
+            3.6e-3,
+            24e-3,
             even,
-            7.0,
-            steel,
-            ends,
-            ends,
-            "left",
-            "cylindrical",
+            total_coils=7.0,
+            material=steel,
+            lower_end=ends,
+            upper_end=ends,
+            hand="left",
+            name="cylindrical",
         ),
         "progressive": SpringDefinition(
-            4e-3,  # type: ignore[arg-type]
-            24e-3,  # type: ignore[arg-type]
+            4e-3,
+            24e-3,
             rising,
-            8.0,
-            steel,
-            ends,
-            ends,
-            "right",
-            "progressive",
+            total_coils=8.0,
+            material=steel,
+            lower_end=ends,
+            upper_end=ends,
+            hand="right",
+            name="progressive",
         ),
         "conical": SpringDefinition(
-            3e-3,  # type: ignore[arg-type]
+            3e-3,
             law("0 6", "26 18"),
             tapered,
-            6.0,
-            steel,
-            ends,
-            ends,
-            "left",
-            "conical",
+            total_coils=6.0,
+            material=steel,
+            lower_end=ends,
+            upper_end=ends,
+            hand="left",
+            name="conical",
         ),
     }
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from known_quantities import Known
-from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
+from spring_shapes import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.quantities.statics import buckling_quantities
 from valvetrain.solution.static import Buckling, Leaning, SpringAtRest, StaticCurve
 
@@ -21,7 +22,7 @@ def buckling() -> Known:
     """Buckled at 15.5 mm of 20 mm at work, leaning from 16 mm on; the formula's constants for E =
     2.6 G are 13/16 and pi^2 16/23.
     """
-    wire = cylindrical("1 mm", "10 mm", "4 mm", 20, closed_coils=0, material=STEEL)
+    wire = cylindrical("1 mm", "10 mm", "4 mm", 20, ends="open", material=STEEL)
     steps, none = np.linspace(0.0, 21e-3, 8), np.zeros((8, 0))
     curve = StaticCurve(
         steps,

@@ -14,15 +14,14 @@ import numpy as np
 
 from known_events import rigid_valve_events, surge_speeds, valve_events
 from known_rest import REST_GROUPS
-from spring_shapes import conical
+from spring_shapes import conical, cylindrical
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, lift_of, rigid, train
 from train_parts import LAW, direct, system
 from valvetrain.integrate.train_channels import Scatter
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import material_by_name
-from valvetrain.parameters.spring import OPEN_END
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
@@ -149,9 +148,7 @@ def stress() -> Known:
         wave = np.cos((degrees - 40) * DEG)
         return 1e6 * np.stack([300 + 100 * wave, 350 + 20 * wave, 200 + 130 * wave], axis=1)
 
-    wire = cylindrical(
-        4e-3, 24e-3, 7e-3, 6.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    wire = cylindrical(4e-3, 24e-3, 7e-3, 6.0, ends="open")
     wire = replace(wire, material=material_by_name("EN 10270-2 VDSiCr"))
     spring = InstalledSpring(wire=wire, precompression=5e-3)
     extra = {
@@ -300,9 +297,7 @@ def at_rest() -> Known:
 def design() -> Known:
     """A plain helix of six turns with open ends, pressed by 5 mm; a card states its solid height."""
     d, mean, pitch, turns = 4e-3, 24e-3, 7e-3, 6.0
-    wire = cylindrical(
-        d, mean, pitch, turns, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    wire = cylindrical(d, mean, pitch, turns, ends="open")
     wire = wire.replace(stated_solid_height=27.2e-3)
     length = turns * np.hypot(np.pi * mean, pitch)
     mass = np.pi / 4 * d**2 * length * wire.material.density
@@ -329,9 +324,7 @@ def design() -> Known:
 
 def cone() -> Known:
     """A cone of 3 mm wire, 30 to 18 mm: its index runs from 10 to 6."""
-    wire = conical(
-        3e-3, 30e-3, 18e-3, 8e-3, 6.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    wire = conical(3e-3, 30e-3, 18e-3, 8e-3, 6.0, ends="open")
     return design_quantities(InstalledSpring(wire=wire, precompression=5e-3)), {
         "smallest_index_ratio": 6.0,
         "largest_index_ratio": 10.0,

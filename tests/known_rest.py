@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.parameters.constructors import cylindrical
+from spring_shapes import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import design_quantities, rest_quantities
 from valvetrain.solution.modes import ModalResult

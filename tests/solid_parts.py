@@ -5,7 +5,8 @@ from __future__ import annotations
 from validation.bars import STEEL
 
 from valvetrain.parameters.curves import Constant
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 
 
 def helix(

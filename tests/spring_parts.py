@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from spring_shapes import cylindrical
 from valvetrain.cosserat.buffer import RodDynamics
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.massless import MasslessSpring, MasslessTable, massless_table
@@ -21,9 +20,7 @@ from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 
 PRECOMPRESSION = 7e-3
 CLOSED_ENDS = cylindrical(3.8e-3, 22e-3, 7e-3, 8.0)
-OPEN_SPRING = cylindrical(
-    3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
-)
+OPEN_SPRING = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, ends="open")
 UNIFORM = EquivalentSpring(rate=30e3, preload=250.0, active_mass=0.04, inactive_mass=0.004)
 SLIM = EquivalentSpring(rate=14e3, preload=136.0, active_mass=0.02)
 #: Natural frequencies (Hz) of the modal springs, not quite those of a uniform bar.

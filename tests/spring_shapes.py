@@ -1,13 +1,24 @@
-"""Springs whose mean diameter follows a curve, for tests."""
+"""Springs of a library steel, also those whose mean diameter follows a curve, for tests."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Parabola, PiecewiseLinear
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.units import Given, si
+
+
+def cylindrical(
+    wire: Given, mean: Any, pitch: Any = None, total_coils: float = 7.0, **more: Any
+) -> SpringDefinition:
+    """A spring of OTEVA 90 SC where ``more`` names no other material."""
+    usual: dict[str, Any] = {
+        "total_coils": total_coils,
+        "material": "OTEVA 90 SC",
+        "name": "cylindrical",
+    }
+    return SpringDefinition(wire, mean_diameter=mean, pitch=pitch, **usual | more)
 
 
 def conical(

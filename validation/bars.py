@@ -21,7 +21,8 @@ from valvetrain.continuum.transient import SolidDynamics, simulate_solid
 from valvetrain.continuum.wire import SeatPlanes, SolidContactLaw, SolidWire
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC as STEEL
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -299,7 +300,13 @@ def waves_and_rotation() -> list[Row]:
 def balance_of_energy() -> list[Row]:
     """A clamped helix in motion: work less energy stored and heat."""
     spring = SpringDefinition(
-        Constant(3.8e-3), Constant(22e-3), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END
+        Constant(3.8e-3),
+        Constant(22e-3),
+        Constant(7e-3),
+        total_coils=5.0,
+        material=STEEL,
+        lower_end=OPEN_END,
+        upper_end=OPEN_END,
     )
     statics = SolidStatics(SolidWire(spring, contact=SolidContactLaw(0.0)))
     made = simulate_solid(

@@ -15,7 +15,8 @@ from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.turning import TurningStatics, rotation_of
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.runs.statics import static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
 
@@ -102,10 +103,10 @@ def cone() -> SpringDefinition:
         PiecewiseLinear(
             (0.0, 1 - PASSAGE, 1 + PASSAGE, end), (WIRE, WIRE, WIRE + CLEARANCE, WIRE + CLEARANCE)
         ),
-        end,
-        STEEL,
-        EndCoil("closed-ground", 1.0, 1.0),
-        EndCoil("closed-ground", 0.0, 0.0),
+        total_coils=end,
+        material=STEEL,
+        lower_end=EndCoil("closed-ground", 1.0, 1.0),
+        upper_end=EndCoil("closed-ground", 0.0, 0.0),
     )
 
 

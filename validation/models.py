@@ -10,7 +10,8 @@ from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import WaveRod
@@ -129,7 +130,13 @@ def rod_against_solid() -> list[Row]:
     rows = []
     for name, (diameter, force, frequencies) in SOLID.items():
         definition = SpringDefinition(
-            Constant(3.8e-3), Constant(diameter), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END
+            Constant(3.8e-3),
+            Constant(diameter),
+            Constant(7e-3),
+            total_coils=5.0,
+            material=STEEL,
+            lower_end=OPEN_END,
+            upper_end=OPEN_END,
         )
         statics = RodStatics(mesh(definition, curvature=True))
         found = compress(statics, [7e-3])[-1].retainer_force
@@ -181,10 +188,10 @@ def solid_beehive() -> SpringDefinition:
         PiecewiseLinear(
             (0.0, 0.875, 1.125, 2.0, 3.0, 6.0, 7.0), tuple(wire + c for c in clearances)
         ),
-        7.0,
-        STEEL,
-        EndCoil("closed-ground", 0.78, 0.78),
-        EndCoil("closed-ground", 0.83, 0.83),
+        total_coils=7.0,
+        material=STEEL,
+        lower_end=EndCoil("closed-ground", 0.78, 0.78),
+        upper_end=EndCoil("closed-ground", 0.83, 0.83),
     )
 
 

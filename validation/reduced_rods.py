@@ -25,9 +25,9 @@ from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.integrate.contract import Cycles
 from valvetrain.integrate.run import run as integrate
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.finite_element import FiniteElementRod, equilibrium_at
 from valvetrain.springs.finite_element_channels import wire_points
 from valvetrain.springs.reduced_rod import ReducedRod
@@ -40,13 +40,20 @@ PER_COIL = "24 elements per coil"
 #: Share of the rms of the seat force allowed without clash; difference (%) up to which a clash that the model
 #: itself names as too hard is accepted.
 WITHOUT_CLASH, HARD_CLASH = 0.01, 10.0
+
+
+def wound(wire: str, mean: str | PiecewiseLinear, pitch: str, turns: float) -> SpringDefinition:
+    """A spring of OTEVA 90 SC with closed and ground ends."""
+    return SpringDefinition(wire, mean, pitch, total_coils=turns, material="OTEVA 90 SC")
+
+
 #: Springs that are in no library, a short racing spring, a slender one of a motorcycle and a conical one:
 #: wire, preload travel (m), lift (m) and cam speed (rad/s).
 OTHER_SPRINGS = {
-    "racing": (cylindrical("4.5 mm", "24 mm", "9.2 mm", 6.2), 6e-3, 8e-3, 250.0),
-    "motorcycle": (cylindrical("2.9 mm", "19 mm", "6.2 mm", 8.5), 7e-3, 8.5e-3, 320.0),
+    "racing": (wound("4.5 mm", "24 mm", "9.2 mm", 6.2), 6e-3, 8e-3, 250.0),
+    "motorcycle": (wound("2.9 mm", "19 mm", "6.2 mm", 8.5), 7e-3, 8.5e-3, 320.0),
     "conical": (
-        cylindrical("3.6 mm", PiecewiseLinear((0, 7), "30, 21 mm"), "8.4 mm", 7),
+        wound("3.6 mm", PiecewiseLinear((0, 7), "30, 21 mm"), "8.4 mm", 7),
         7e-3,
         9e-3,
         210.0,

@@ -21,7 +21,8 @@ from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.wire import SolidContactLaw, SolidWire
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 from valvetrain.runs.api import simulate
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.model import SolidModel
@@ -36,7 +37,13 @@ def bricks_against_calculix() -> list[Row]:
     what, rows = "wire 3.8, pitch 7 mm, 5 turns clamped, 24 slices per coil", []
     for name, (diameter, force, frequencies) in SOLID.items():
         spring = SpringDefinition(
-            Constant(3.8e-3), Constant(diameter), Constant(7e-3), 5.0, STEEL, OPEN_END, OPEN_END
+            Constant(3.8e-3),
+            Constant(diameter),
+            Constant(7e-3),
+            total_coils=5.0,
+            material=STEEL,
+            lower_end=OPEN_END,
+            upper_end=OPEN_END,
         )
         statics = SolidStatics(SolidWire(spring, contact=SolidContactLaw(0.0)))
         found = statics.compress([7e-3])[0].retainer_force
@@ -89,7 +96,8 @@ def love_excess(
         length = np.pi * diameter * count / cosine
         rate = rotation / (travel * rotation - mixed**2) / length
         spring = SpringDefinition(
-            Constant(wire_diameter), Constant(diameter), Constant(pitch), float(count), STEEL, OPEN_END, OPEN_END
+            Constant(wire_diameter), Constant(diameter), Constant(pitch), total_coils=float(count),
+            material=STEEL, lower_end=OPEN_END, upper_end=OPEN_END
         )  # fmt: skip
         statics = SolidStatics(SolidWire(spring, contact=SolidContactLaw(0.0)))
         excess.append(statics.compress([1e-5])[0].retainer_force / 1e-5 / rate - 1)

@@ -12,7 +12,8 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, Curve, Parabola, PiecewiseLinear
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 
 STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)
 CLAMPED_HELIX = (393.5, 396.1, 462.8, 525.7, 864.0, 876.9, 914.3, 1037.0, 1310.5, 1363.8)
@@ -24,7 +25,13 @@ def spring(
     """Spring of constant pitch clamped at both wire tips; lengths in m."""
     law = Constant(diameter) if isinstance(diameter, float) else diameter
     return SpringDefinition(
-        Constant(wire), law, Constant(pitch), coils, material, OPEN_END, OPEN_END
+        Constant(wire),
+        law,
+        Constant(pitch),
+        total_coils=coils,
+        material=material,
+        lower_end=OPEN_END,
+        upper_end=OPEN_END,
     )
 
 

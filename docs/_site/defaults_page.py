@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from valvetrain import registry
-from valvetrain.parameters import schema_installed
 from valvetrain.parameters.case import Operation
-from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
+from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, Guide, Rubbing
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_types import Table
-from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.spring_blocks import fields_of
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.summary import number
 from valvetrain.parameters.train import PARTS, TrainParameters
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.workbench.form_fields import shown_default
 
 _HEAD = """# Defaults
@@ -36,14 +37,13 @@ def defaults_page() -> str:
 
 
 def _sections() -> Iterator[tuple[str, list[str]]]:
-    wire = schema_installed.WireBlock
     kinds = ((kind, EndCoil(kind)) for kind in ("closed-ground", "closed", "open", "open-ground"))
     yield (
         "A spring: `[spring]`, `[[train.springs.SET]]`",
-        [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)],
+        [*_rows(fields_of({})), *(_end_row(kind, end) for kind, end in kinds)],
     )
     yield "`damping` of a spring", _rows(DampingParameters)
-    yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
+    yield "`contact` of a spring's coils", _rows(CoilContact)
     yield "`guide` of a wire", _rows(Guide)
     for word in registry.BUILT_IN["springs"]:
         yield f"`options.{word}` of a spring", _rows(options_table(word))
@@ -67,14 +67,14 @@ def _section(title: str, rows: list[str]) -> str:
     return "\n".join([f"## {title}", "", "| key | default | meaning |", "|---|---|---|", *rows, ""])
 
 
-def _rows(model: type[BaseModel | Table], base: type[BaseModel] | None = None) -> list[str]:
+def _rows(model: Any, base: type[BaseModel] | None = None) -> list[str]:
     """Rows of the fields of ``model`` that have a default and differ from those of
     ``base``.
     """
     known = base.model_fields if base is not None else {}
     fields = {
         name: field
-        for name, field in model.model_fields.items()
+        for name, field in getattr(model, "model_fields", model).items()
         if name not in known or field.default != known[name].default
     }
     return [

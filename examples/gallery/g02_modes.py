@@ -11,11 +11,12 @@ import math
 
 import valvetrain as vt
 
-spring = vt.parameters.cylindrical(
+spring = vt.parameters.SpringDefinition(
     wire_diameter="4 mm",
     mean_diameter="24 mm",
     pitch="7.5 mm",
     total_coils=6,
+    material="OTEVA 90 SC",
     ends="open",
     name="textbook spring",
 )

@@ -13,11 +13,12 @@ from pint import UnitRegistry
 import valvetrain as vt
 
 units = UnitRegistry()
-spring = vt.parameters.cylindrical(
+spring = vt.parameters.SpringDefinition(
     wire_diameter=0.177 * units.inch,
     mean_diameter="1.2 inch",
     pitch=9e-3,
     total_coils=6.5,
+    material="OTEVA 90 SC",
     name="imperial",
 )
 curve = vt.static_curve(spring, 0.5 * units.inch, models="multi-mass")
@@ -25,8 +26,12 @@ load = curve.force_at("0.4 in")
 print(f"{load:.0f} N = {load / 4.4482216:.0f} lbf at 0.4 in")
 
 try:
-    vt.parameters.cylindrical(
-        wire_diameter=4.5, mean_diameter="30 mm", pitch="9 mm", total_coils=6.5
+    vt.parameters.SpringDefinition(
+        wire_diameter=4.5,
+        mean_diameter="30 mm",
+        pitch="9 mm",
+        total_coils=6.5,
+        material="OTEVA 90 SC",
     )
 except vt.InputError as error:
     print(error)

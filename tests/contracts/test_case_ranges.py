@@ -12,20 +12,28 @@ import pytest
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
 from valvetrain import registry
-from valvetrain.parameters import lift_law, schema_contact, schema_installed
+from valvetrain.parameters import lift_law, schema_contact
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.case import Operation
-from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
+from valvetrain.parameters.installed_spring import (
+    CoilContact,
+    DampingParameters,
+    Guide,
+    InstalledSpring,
+    Rubbing,
+)
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.schema_types import Quantity
-from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train import PARTS, TrainParameters
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.units import DIMENSIONS
 
 TABLES = {
-    "spring": schema_installed.WireBlock, "card": schema_installed.CardBlock, "end": EndCoil,
+    "spring": SpringDefinition, "installed": InstalledSpring, "card": SpringCard, "end": EndCoil,
     "material": Material, "spring.damping": DampingParameters, "guide": Guide,
-    "spring.contact": schema_installed.CoilContactModel, "rubbing": Rubbing, "operation": Operation,
+    "spring.contact": CoilContact, "rubbing": Rubbing, "operation": Operation,
     "lift_law": lift_law.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
 }  # fmt: skip
 TABLES |= {f"options.{word}": options_table(word) for word in registry.BUILT_IN["springs"]}
@@ -71,8 +79,10 @@ def takes(read: TypeAdapter, unit: str, number: float) -> bool:
 
 #: Lengths, masses, stiffnesses and the like that mean nothing at zero.
 ABOVE_ZERO = """
-spring: free_length installed_height solid_height total_coils; material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
-card: preload_height rate open_lift open_height free_length mass installed_height solid_height wire_diameter mean_diameter outer_diameter active_coils
+spring: free_length solid_height total_coils; installed: installed_height
+material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
+card: preload_height rate open_lift open_height free_length mass installed_height solid_height wire_diameter mean_diameter outer_diameter
+card: active_coils total_coils
 guide: bore rod stiffness; options.finite-element: time_step
 train.follower: face_diameter; operation: red_line
 train.cam: base_radius width youngs_modulus; train.lever: drive_arm valve_arm inertia stiffness; train.pushrod: mass stiffness
@@ -97,6 +107,7 @@ polydyne: design_engine_speed; options.massless: effective_mass_fraction
 #: Key -> least and largest value, in the usual unit.
 BETWEEN = {
     "end.inactive_coils": (None, 3), "end.ground_coils": (None, 3), "spring.total_coils": (None, 200), "card.active_coils": (None, 200),
+    "card.total_coils": (None, 200),
     "material.poisson_ratio": (-1, 0.5), "options.massless.effective_mass_fraction": (None, 1),
     "options.multi-mass.masses_per_coil": (1, 2000), "options.multi-mass.elements": (1, 2000), "options.modal-uniform.modes": (1, 500),
     "options.finite-element.coil_friction": (0, 1),
@@ -111,7 +122,7 @@ BETWEEN = {
     "train.cam.rotation": (-1, 1), "train.lever.drive_side": (-1, 1), "spline.degree": (5, 7), "table.degree": (5, 7),
     "measured.draw": (0, 10_000), "train.lever.inertia": (None, 1e8),
     **dict.fromkeys([f"train.{part}.mass" for part in ("follower", "lever", "pushrod", "support", "valve")], (None, 1e6)),
-    "card.mass": (None, 1e6), "polydyne.effective_mass": (None, 1e6),
+    "card.mass": (None, 1e6), "spring.contact.stiffness": (None, 1e34), "polydyne.effective_mass": (None, 1e6),
 }  # fmt: skip
 WHOLE = {"operation.cycles", "train.cycles", "sine-power.power"}
 

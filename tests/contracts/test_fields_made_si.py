@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain.cosserat.batch import simulate_batch
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
@@ -35,7 +36,7 @@ from valvetrain.solution.status import Status
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 
 SOURCE = Path(vt.__file__).parent
-SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+SPRING = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 UNIFORM = vt.springs.EquivalentSpring(40e3, 300.0, 0.05)
 RATE, MASS, FORCE, LENGTH, SECOND, PER_SECOND = "40 N/mm", "50 g", "300 N", "5 mm", "2 us", "25 1/s"
 IN_SI = {
@@ -207,8 +208,8 @@ ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "density": (lambda x: vt.parameters.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
     "sample interval": (lambda x: batch(interval=x).time[-1], 2e-6, SECOND),
     "time step": (lambda x: batch(step=x).time_step, 1e-7, "0.1 us"),
-    "pitch": (lambda x: vt.parameters.cylindrical(3.8e-3, 22e-3, x, 7, ends="open").pitch.value(3.0), 0.008, "8 mm"),
-    "free length": (lambda x: vt.parameters.cylindrical(3.8e-3, 22e-3, total_coils=7, free_length=x).free_length, 0.045, "45 mm"),
+    "pitch": (lambda x: cylindrical(3.8e-3, 22e-3, x, 7, ends="open").pitch.value(3.0), 0.008, "8 mm"),
+    "free length": (lambda x: cylindrical(3.8e-3, 22e-3, total_coils=7, free_length=x).free_length, 0.045, "45 mm"),
     "clash rod from a wire": (lambda x: vt.springs.WaveRodWithClash.from_definition(SPRING, x).spring.preload, 0.005, LENGTH),
     "multi-mass mass": (lambda x: vt.springs.MultiMassSpring.from_card(RATE, FORCE, x).layout.masses.sum(), 0.05, MASS),
     "multi-mass preload": (lambda x: vt.springs.MultiMassSpring.from_card(RATE, x, MASS).precompression, 300.0, FORCE),

@@ -19,7 +19,8 @@ from spring_parts import (
     raised_cosine,
 )
 from valvetrain.cosserat.layout import row
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import places
 from valvetrain.runs.statics import rod_statics
 from valvetrain.springs.contract import (

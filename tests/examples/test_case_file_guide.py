@@ -12,14 +12,11 @@ import pytest
 from valvetrain import registry
 from valvetrain.cam import build_lift_law
 from valvetrain.parameters.case import Operation
-from valvetrain.parameters.installed_spring import DampingParameters, Rubbing
+from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, Rubbing
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.schema_installed import (
-    CardBlock,
-    CoilContactModel,
-    WireBlock,
-)
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.spring_blocks import CARD, OF_CARD, OF_WIRE
 from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")
@@ -37,7 +34,8 @@ def test_every_kind_and_key_is_named():
     laws = {kind: registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
     options = {word: options_table(word) for word in registry.BUILT_IN["springs"]}
     tables = [(laws, set(LiftModel.model_fields)), (options, set())]
-    blocks = (WireBlock, CardBlock, DampingParameters, CoilContactModel, Rubbing, Operation)
+    blocks = (SpringDefinition, DampingParameters, CoilContact, Rubbing, Operation)
+    installed = {*CARD, *OF_CARD, *OF_WIRE}
     names = {
         name
         for table, common in tables
@@ -45,6 +43,7 @@ def test_every_kind_and_key_is_named():
         for name in (word, *set(model.model_fields) - common)
     }
     for key in sorted(
-        (names | {name for model in blocks for name in model.model_fields} | {"study"}) - {"name"}
+        (names | {name for model in blocks for name in model.model_fields} | installed | {"study"})
+        - {"name", "values"}
     ):
         assert f"`{key}`" in GUIDE or f"{key} = " in GUIDE, key

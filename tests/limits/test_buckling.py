@@ -10,14 +10,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from spring_shapes import cylindrical
 from valvetrain.cosserat.mesh import mesh_curve
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.section import round_section
 from valvetrain.cosserat.stability import last_before, negative_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
-from valvetrain.parameters.constructors import OTEVA_90_SC, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.quantities.statics import (
     buckling_compression,
     buckling_quantities,
@@ -52,7 +53,7 @@ class StraightWire:
 def slender(total_coils: float = 20, **ends):
     """L0/D = 8 and index 10: buckles at 15.84 mm by the formula, before any coils touch."""
     return cylindrical(
-        "1 mm", "10 mm", "4 mm", total_coils, name="slender", **({"closed_coils": 0} | ends)
+        "1 mm", "10 mm", "4 mm", total_coils, name="slender", **({"ends": "open"} | ends)
     )
 
 
@@ -89,7 +90,7 @@ def test_a_slender_spring_buckles_where_haringx_says(wire, pitch, coils, reach):
     """Two springs of L0/D = 8 and 7.2, the rod within 0.7 % of the formula on either mesh, and
     nearer on the finer one.
     """
-    spring = cylindrical(wire, "10 mm", pitch, coils, closed_coils=0)
+    spring = cylindrical(wire, "10 mm", pitch, coils, ends="open")
     theory = formula_compression(spring)
     found = [
         static_curve(FiniteElementRod(spring, 0.0, mesh), reach, 6)[0].buckling.compression
@@ -147,7 +148,7 @@ def test_end_coils_that_part_point_by_point_move_the_place_with_neither_mesh_nor
 
 
 def test_a_short_spring_buckles_nowhere_by_either():
-    spring = cylindrical("4 mm", "24 mm", "7.5 mm", 6, closed_coils=0)
+    spring = cylindrical("4 mm", "24 mm", "7.5 mm", 6, ends="open")
     rest = rod_statics(FiniteElementRod(spring, 7e-3, 12), 0.016, 6, 0)
     assert rest.curve.buckling is None and rest.curve.status.completed
     assert buckling_quantities(InstalledSpring(spring, precompression=7e-3), rest, 8e-3) == {}

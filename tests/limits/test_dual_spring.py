@@ -9,7 +9,8 @@ from hypothesis import strategies as some
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.parameters.dual_spring import Half, part
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.dual_spring import part
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 
@@ -50,7 +51,10 @@ RATE, PRELOAD = LOADS.sum(axis=0)
 
 def half(spring, turns=True, free=True):
     wire, mean, coils, length = spring
-    return Half(wire, mean, SHEAR, HEIGHT, coils if turns else None, length if free else None)
+    return SpringCard(
+        loads_of="pair", wire_diameter=wire, mean_diameter=mean, installed_height=HEIGHT, material="EN 10270-2 VDSiCr",
+        active_coils=coils if turns else None, free_length=length if free else None,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(("turns", "free"), [((1, 1), (1, 1)), ((1, 1), (1, 0)), ((1, 1), (0, 1)), ((1, 0), (1, 0)), ((0, 1), (1, 1))])  # fmt: skip

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.rates import axial_rate, end_stiffness, retainer_loads
 from valvetrain.cosserat.state import free_state
@@ -23,7 +24,7 @@ class Helix:
     """
 
     def __init__(self, wire, diameter, pitch, coils):
-        self.spring = vt.parameters.cylindrical(wire, diameter, pitch, coils, closed_coils=0)
+        self.spring = cylindrical(wire, diameter, pitch, coils, ends="open")
         material = self.spring.material
         self.bend = material.youngs_modulus * np.pi * wire**4 / 64
         self.twist = material.shear_modulus * np.pi * wire**4 / 32
@@ -144,7 +145,7 @@ def test_modes_with_a_mass_on_the_retainer(share):
     """x tan x = m_spring / mass of the uniform rod, first mode, within what the helix adds (0.2 %
     free, less with a mass).
     """
-    spring = vt.parameters.cylindrical("2 mm", "24 mm", "6 mm", 10, closed_coils=0)
+    spring = cylindrical("2 mm", "24 mm", "6 mm", 10, ends="open")
     rod = FiniteElementRod(spring, 1e-3, 24, seats="clamps")
     rate, mass = rod.static_point(1e-3).stiffness, spring.mass
     root = (
@@ -163,8 +164,6 @@ def test_modes_with_a_mass_on_the_retainer(share):
 
 
 def test_a_mass_below_zero_is_refused():
-    rod = FiniteElementRod(
-        vt.parameters.cylindrical("2 mm", "24 mm", "6 mm", 4, closed_coils=0), 1e-3, 12
-    )
+    rod = FiniteElementRod(cylindrical("2 mm", "24 mm", "6 mm", 4, ends="open"), 1e-3, 12)
     with pytest.raises(vt.InputError, match="an attached mass is zero or more"):
         rod.modes(4, -0.01)

@@ -7,20 +7,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from spring_shapes import cylindrical
 from valvetrain.cosserat.batch import simulate_batch
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.state import advance
 from valvetrain.cosserat.static import compress
 from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.installed_spring import Guide, InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import Guide, InstalledSpring
 from valvetrain.runs.statics import rod_statics, static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import rod_channels
 
 #: L0/D = 7.2, outer diameter 11.2 mm, inner 8.8 mm; buckles at 18.2 mm where nothing holds it.
-SPRING = cylindrical("1.2 mm", "10 mm", "6 mm", 12, closed_coils=0, name="slender")
+SPRING = cylindrical("1.2 mm", "10 mm", "6 mm", 12, ends="open", name="slender")
 BORE, ROD = Guide(bore="12 mm"), Guide(rod="8.0 mm")
 DEEP = 0.023
 

@@ -11,9 +11,9 @@ import pytest
 from scipy.optimize import brentq
 
 from spring_parts import drive, raised_cosine
+from spring_shapes import cylindrical
 from valvetrain.cosserat.end_coil_kernels import END, SEAT
 from valvetrain.cosserat.layout import row
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain.runs.statics import axial_frequencies
 
 
@@ -38,7 +39,7 @@ def test_its_matrices_are_the_static_rate_and_its_surge_the_rod_s():
     """Condensed onto the retainer the stiffness is the slope of the force at rest; the mode that takes most mass along
     is the first axial one of the finite elements.
     """
-    wire = vt.parameters.cylindrical("2.9 mm", "19.4 mm", total_coils=6.9, free_length="41.5 mm")
+    wire = cylindrical("2.9 mm", "19.4 mm", total_coils=6.9, free_length="41.5 mm")
     rod = vt.springs.FiniteElementRod(wire, "8 mm", elements_per_coil=12)
     spring = vt.springs.ReducedRod(rod, 8e-3)
     for lift in (2e-3, 5e-3):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from spring_shapes import cylindrical
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.transient import simulate
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import (

@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.spring import OPEN_END
+from spring_shapes import cylindrical
 from valvetrain.springs.finite_element import FiniteElementRod
 
 
@@ -16,9 +15,7 @@ def rate_ratio(mean_diameter: float, curvature_correction: bool) -> float:
     """Static rate of the rod over the closed form: wire 1 mm, pitch 2 mm, 4 open turns fixed at
     their tips.
     """
-    spring = cylindrical(
-        1e-3, mean_diameter, 2e-3, 4.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    spring = cylindrical(1e-3, mean_diameter, 2e-3, 4.0, ends="open")
     rod = FiniteElementRod(
         spring,
         1e-4,

@@ -22,7 +22,8 @@ from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 
 WIRE, INDEX, PITCH = 3.8e-3, 6.0, 7e-3
 TWIST, PULL = 500.0, 120.0  # MPa
@@ -34,10 +35,10 @@ def spring() -> SpringDefinition:
         Constant(WIRE),
         Constant(INDEX * WIRE),
         Constant(PITCH),
-        3.0,
-        OTEVA_90_SC,
-        OPEN_END,
-        OPEN_END,
+        total_coils=3.0,
+        material=OTEVA_90_SC,
+        lower_end=OPEN_END,
+        upper_end=OPEN_END,
     )
 
 

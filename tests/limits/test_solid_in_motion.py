@@ -8,11 +8,11 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
+from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.integrate import solid_store
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series

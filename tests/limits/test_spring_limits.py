@@ -10,7 +10,7 @@ from spring_parts import OPEN_SPRING, UNIFORM, drive, raised_cosine
 from spring_shapes import beehive, conical
 from valvetrain.cosserat.static import compress
 from valvetrain.parameters.curves import Constant
-from valvetrain.parameters.spring import OPEN_END
+from valvetrain.parameters.winding import OPEN_END
 from valvetrain.springs.chain_layout import chain_from_definition, coil_contacts
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -183,9 +183,7 @@ def test_modal_oscillator_rings_exactly_at_any_step():
 
 def test_static_chain_gives_the_rate_integral_of_a_cone():
     """k = G d**4 / [2 n (D1 + D2)(D1**2 + D2**2)], any number of masses, no coil closed."""
-    cone = conical(
-        4e-3, 30e-3, 20e-3, 9e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    cone = conical(4e-3, 30e-3, 20e-3, 9e-3, 6.0, ends="open")
     exact = cone.material.shear_modulus * 4e-3**4 / (2 * 6.0 * 50e-3 * (30e-3**2 + 20e-3**2))
     for elements in (3, 20, 101):
         layout = chain_from_definition(cone, elements, 0.0)
@@ -201,8 +199,8 @@ OPEN_ENDS = {"lower_end": OPEN_END, "upper_end": OPEN_END}
 
 @pytest.mark.parametrize(("spring", "on_seat", "under_retainer"), [
     (OPEN_SPRING, lambda u: u < 1, lambda u: u >= 5),
-    (conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
-    (conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+    (conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+    (conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
     (beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS), lambda u: (u < 1) | (u > 3.79), lambda u: u > 2.79),
 ], ids=["cylinder", "narrow above", "narrow below", "beehive"])  # fmt: skip
 def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(
@@ -236,7 +234,7 @@ def test_coils_of_a_telescoping_cone_land_on_the_seat(share):
     The largest turns land first and the spring hardens; through the seat it would take less than
     half the force.
     """
-    cone = conical(2e-3, 50e-3, 18e-3, 6e-3, 5.0, closed_coils=0)
+    cone = conical(2e-3, 50e-3, 18e-3, 6e-3, 5.0, ends="open")
     assert np.all(cone.telescopes([1.0, 2.5, 5.0])) and not cone.telescopes(0.9)
     assert not np.any(OPEN_SPRING.telescopes(np.linspace(0.0, 6.0, 25)))
     coil = np.linspace(0.0, 5.0, 5001)

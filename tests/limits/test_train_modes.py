@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from train_parts import LAW, direct
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.templates import TEMPLATES

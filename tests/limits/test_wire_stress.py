@@ -15,7 +15,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 from valvetrain.quantities.cycle import Frame, reported_cycle
 from valvetrain.quantities.stress import SHEAR, stress_quantities, with_wire_stress
 from valvetrain.solution.channels import spring_channels

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from spring_parts import drive
+from spring_shapes import cylindrical
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run as integrate
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.quantities.signal import fine_series
 from valvetrain.solution.force_peak import filtered_cycle
 from valvetrain.springs import reduced_rod_kernel as kernels

@@ -6,9 +6,8 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from spring_shapes import beehive
+from spring_shapes import beehive, cylindrical
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.equivalent import EquivalentSpring

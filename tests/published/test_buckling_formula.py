@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from valvetrain.parameters.constructors import OTEVA_90_SC
+from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.quantities.statics import buckling_compression
 
 #: E = 2.6 G, as A. M. Wahl, Mechanical Springs (1963), has it for steel.

@@ -14,7 +14,8 @@ from valvetrain.continuum.mesh import FaceSet, MeshOptions, SolidMesh, connect_s
 from valvetrain.continuum.section import disc_section
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 pytestmark = pytest.mark.calculix
 

@@ -20,7 +20,8 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())
 UNIFORM = {entry["name"]: entry for entry in DATA["uniform"]}

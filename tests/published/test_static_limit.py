@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 import valvetrain as vt
-from valvetrain.parameters.constructors import cylindrical
+from spring_shapes import cylindrical
 from valvetrain.parameters.material import (
     FATIGUE_RANGES,
     PERMITTED_SHEAR,

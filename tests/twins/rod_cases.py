@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from spring_shapes import cylindrical
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 STEEL = Material("steel", 206e9, 79.6e9, 7850.0)
 

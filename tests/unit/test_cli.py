@@ -70,11 +70,11 @@ def test_check_understands_every_library_case(name):
 
 def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
     from spring_shapes import conical
-    from valvetrain.parameters.spring import OPEN_END
+    from valvetrain.parameters.winding import OPEN_END
     from valvetrain.quantities.statics import definition_quantities
 
     ends = {"lower_end": OPEN_END, "upper_end": OPEN_END}
-    spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, closed_coils=0.0, **ends)
+    spring = conical(3e-3, 30e-3, 18e-3, 8e-3, 6, **ends)
     lower, upper = 15e-3, 9e-3
     rate = (
         spring.material.shear_modulus * 3e-3**4 / (16 * 6 * (lower + upper) * (lower**2 + upper**2))

@@ -11,6 +11,7 @@ from collections import OrderedDict
 import pytest
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.explore.outputs import Run
@@ -102,7 +103,7 @@ def test_a_lift_that_the_equilibria_do_not_reach_is_no_table(monkeypatch):
     monkeypatch.setattr(reduced_rod, "path_of_equilibria", half)
     monkeypatch.setattr(reduced_rod_cache, "_MADE", OrderedDict())
     monkeypatch.setattr(reduced_rod_cache, "_folder", lambda: None)
-    wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=5, free_length="40 mm")
+    wire = cylindrical("4 mm", "24 mm", total_coils=5, free_length="40 mm")
     rod = vt.springs.FiniteElementRod(wire, "7 mm", elements_per_coil=12)
     with pytest.raises(InputError, match=r"no equilibria beyond .* mm of lift"):
         ReducedRod(rod, 6e-3).make_tables()

@@ -10,8 +10,8 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.dual_spring import read_pair
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.spring_card import SpringLoad
 from valvetrain.views.results import answer_of
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import synthetic_study as made
+from spring_shapes import cylindrical
 from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.integrate.run import joined
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, SpeedBracket
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.status import Status

@@ -13,7 +13,9 @@ from validation.calculix.solver import run_deck
 
 import synthetic_study as made
 import valvetrain as vt
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from spring_shapes import cylindrical
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
@@ -21,7 +23,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card
 
-SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+SPRING = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 CARD = SpringCard(rate=30e3, preload=250.0)
 VARIED = vt.springs.ModalVaried((450.0,), 0.01, (1e-3, 0.02), (40.0, 800.0), 5e-3)
 RUN = made.rod_run()

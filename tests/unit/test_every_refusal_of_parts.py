@@ -16,6 +16,7 @@ import pytest
 from validation.calculix.transient import TransientJob
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain.cam.arcs import Tangent, ThreeArc, half_event
 from valvetrain.cam.cam_card import CamCard
 from valvetrain.cam.closed_form import SinePower
@@ -36,11 +37,11 @@ from valvetrain.mechanism.parts import (
     Interaction,
     MaxwellLink,
 )
-from valvetrain.parameters import Constant, Material, PiecewiseLinear, SpringDefinition, cylindrical
+from valvetrain.parameters import Constant, Material, PiecewiseLinear, SpringDefinition
 from valvetrain.parameters.curves import Table
 from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
-from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.train_parts import FollowerParameters, GasLoad
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.quantities.signal import low_pass
 from valvetrain.quantities.statics import buckling_compression
 from valvetrain.runs.error_bars import observed_order
@@ -110,7 +111,6 @@ GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "material": (Material, {"name": "steel", "youngs_modulus": 206e9, "shear_modulus": 79e9, "density": 7850.0}),
     "definition": (SpringDefinition, {"wire_diameter": Constant(3.8e-3), "mean_diameter": Constant(22e-3), "pitch": SPRING.pitch,
                                          "total_coils": 7, "material": SPRING.material}),
-    "cylindrical": (cylindrical, {"wire_diameter": 3.8e-3, "mean_diameter": 22e-3, "pitch": 7e-3, "total_coils": 7}),
     "curve": (PiecewiseLinear, {"coils": (0, 7), "values": (0.007, 0.008)}),
     "smooth curve": (Table, {"coils": (0, 7), "values": (0.007, 0.008)}),
 }  # fmt: skip
@@ -216,7 +216,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     *(("coil contact", {name: value}, f"{name} of the coil contact")
       for name in ("stiffness", "damping_time")
       for value in (-1.0, math.inf)),
-    ("installed", {"retainer_rotation": "loose"}, "loose"), ("installed", {"seats": "walls"}, "use planes or clamps"),
+    ("installed", {"retainer_rotation": "loose"}, "loose"), ("installed", {"seats": "walls"}, "'planes' or 'clamps'"),
     ("installed", {"wire": None}, "give one of them"),
     ("end", {"inactive_coils": -0.1}, "at least zero"), ("end", {"inactive_coils": 3.1}, "at most 3"),
     ("end", {"ground_coils": -0.1}, "at least zero"), ("end", {"ground_coils": 3.1}, "at most 3"),
@@ -277,10 +277,9 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     *(("material", {name: value}, f"{name} of the material")
       for name in ("youngs_modulus", "shear_modulus", "density") for value in (0.0, -1.0)),
     ("material", {"shear_modulus": 60e9}, "outside -1 to 0.5"),
-    ("definition", {"total_coils": "seven"}, "turns"), ("definition", {"total_coils": math.inf}, "positive number of total_coils"),
-    ("definition", {"total_coils": 0.0}, "positive number of total_coils"), ("definition", {"hand": "both"}, "use right or left"),
-    ("definition", {"material": "steel"}, "is no Material"),
-    ("cylindrical", {"closed_coils": -1.0}, "closed_coils"), ("cylindrical", {"closed_coils": math.inf}, "closed_coils"),
+    ("definition", {"total_coils": "seven"}, "total_coils .* is not a number"), ("definition", {"total_coils": math.inf}, "not a finite number"),
+    ("definition", {"total_coils": 0.0}, "total_coils .* above zero"), ("definition", {"hand": "both"}, "hand .* 'right' or 'left'"),
+    ("definition", {"material": "steel"}, "is not in the library"),
     *((part, change, words) for part in ("curve", "smooth curve") for change, words in (
         ({"values": (0.007, 0.008, 0.009)}, "one value per coil"), ({"coils": (0,), "values": (0.007,)}, "at least two knots"),
         ({"coils": (0, NAN)}, "not a finite number"), ({"coils": (7, 0)}, "must increase"))),
@@ -331,7 +330,6 @@ TAKEN: list[tuple[str, dict[str, Any]]] = [
     ("transient", {"engine_speed": 0.5, "last_angle": 0.5}), ("prior", {"centre": 1.0}), ("prior", {"centre": 3.0}),
     ("mesh", {"elements_per_coil": 4, "end_refinement": 1.0}),
     ("material", {"shear_modulus": 69e9}),
-    ("cylindrical", {"closed_coils": 0.0}),
     ("mechanism", {"interactions": ()}),
 ]  # fmt: skip
 

@@ -13,6 +13,7 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from spring_parts import drive
+from spring_shapes import cylindrical
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.condensed import condensed, elastic_statics
 from valvetrain.cosserat.contact_points import ContactPoints
@@ -22,7 +23,6 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles
 from valvetrain.integrate.run import run as integrate
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide
 from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.finite_element import FiniteElementRod

@@ -18,7 +18,8 @@ from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 DYNAMICS = RodDynamics(mass_damping=60.0, stiffness_damping=4e-6)
 INTERVAL, SAMPLES = 2e-5, 60
@@ -31,8 +32,8 @@ def variant(factor, per_coil, end=OPEN_END, coils=3.0):
         Constant(4e-3),
         PiecewiseLinear((0.0, coils), (24e-3, 22e-3)),
         pitch,
-        coils,
-        OTEVA_90_SC,
+        total_coils=coils,
+        material=OTEVA_90_SC,
         lower_end=end,
         upper_end=end,
     )

@@ -12,7 +12,7 @@ from twins.rod_energy import spline
 from valvetrain.cosserat.contact_line import true_distance
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.static import RodStatics
-from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.winding import EndCoil
 
 
 def nearest(points: np.ndarray, curve: np.ndarray) -> np.ndarray:

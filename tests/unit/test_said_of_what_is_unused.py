@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.parameters.case_changes import changed_case
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.api import simulate, static_curve
@@ -91,7 +91,7 @@ def test_the_modal_model_presses_with_nothing_in_the_free_state():
 
 def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided():
     problem = build(load_case("vaz-ohc"))
-    wire = cylindrical("1 mm", "10 mm", "4 mm", 20, closed_coils=0, name="slender")
+    wire = cylindrical("1 mm", "10 mm", "4 mm", 20, ends="open", name="slender")
 
     def found(**how):
         spring = InstalledSpring(wire, **how)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from validation.calculix.jobs import jacobian_quality
 
-from spring_shapes import conical
+from spring_shapes import conical, cylindrical
 from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.mesh import MeshOptions, sweep_spring
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 
 @pytest.fixture

@@ -15,10 +15,10 @@ from validation.calculix.deck import (
 from validation.calculix.jobs import SolidSpring
 from validation.calculix.solver import run_deck
 
+from spring_shapes import cylindrical
 from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.continuum.mesh_file import write_mesh
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.parameters.constructors import cylindrical
 
 
 @pytest.fixture

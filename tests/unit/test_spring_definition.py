@@ -6,15 +6,19 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from spring_shapes import conical
+from spring_shapes import conical, cylindrical
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical, pitch_with_closed_ends
-from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
+from valvetrain.parameters.curves import (
+    Constant,
+    FunctionCurve,
+    PiecewiseLinear,
+)
 from valvetrain.parameters.material import MATERIALS, OTEVA_90_SC, Material, material_by_name
-from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END, EndCoil
 
 WIRE, DIAMETER, PITCH, TURNS = 4e-3, 24e-3, 7e-3, 6.0
-OPEN = {"closed_coils": 0.0, "lower_end": OPEN_END, "upper_end": OPEN_END}
+OPEN = {"lower_end": OPEN_END, "upper_end": OPEN_END}
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +58,7 @@ def test_open_ends_stand_on_the_tips_of_the_wire(helix):
 
 def test_closed_and_ground_ends_take_a_turn_and_a_half_of_wire_off():
     ends = EndCoil("closed-ground", 0.75, 0.75)
-    spring = cylindrical(
-        WIRE, DIAMETER, PITCH, 8.0, closed_coils=1.0, lower_end=ends, upper_end=ends
-    )
+    spring = cylindrical(WIRE, DIAMETER, PITCH, 8.0, lower_end=ends, upper_end=ends)
     # pitch: one turn closed, half a turn of ramp, five turns of full pitch, and the same again
     rise = 2 * WIRE + 2 * 0.5 * (WIRE + PITCH) / 2 + 5 * PITCH
     assert spring.free_length == pytest.approx(rise - 2 * 0.75 * WIRE + WIRE, rel=1e-9)
@@ -102,7 +104,7 @@ def build(**changes):
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        ({"total_coils": float("nan")}, "has nan turns"),
+        ({"total_coils": float("nan")}, "total_coils of the spring: .* not a finite number"),
         (
             {"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)},
             "of which 5.8 are inactive",
@@ -151,7 +153,7 @@ def test_ends_and_constructors_refuse_what_cannot_be():
     with pytest.raises(InputError, match="at most 3"):
         EndCoil(inactive_coils=3.5)
     with pytest.raises(InputError, match="no space between the closed ends"):
-        pitch_with_closed_ends(2.5, WIRE, PITCH)
+        cylindrical(WIRE, DIAMETER, PITCH, 2.5)
 
 
 #: Young's and shear modulus (GPa) and density (kg/m3) at room temperature, put in by hand.

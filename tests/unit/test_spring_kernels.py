@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from spring_parts import CLOSED_ENDS, MODELS, PRECOMPRESSION, SLIM, UNIFORM, drive, raised_cosine
-from spring_shapes import beehive
+from spring_shapes import beehive, cylindrical
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant
-from valvetrain.parameters.spring import OPEN_END
+from valvetrain.parameters.winding import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
 from valvetrain.springs.chain_statics import (
     contact_depths,
@@ -199,9 +198,7 @@ def test_gaps_are_those_of_the_wire():
     """Uniform open spring: every neighbour is pitch less wire away, so the chain goes solid after
     that travel per turn.
     """
-    spring = cylindrical(
-        3.8e-3, 22e-3, 7e-3, 6.0, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
+    spring = cylindrical(3.8e-3, 22e-3, 7e-3, 6.0, ends="open")
     layout = chain_from_definition(spring, 72, 1e10)
     pairs = (layout.contacts.upper_coil >= 1) & (layout.contacts.upper_coil < 6)
     inside = pairs & (layout.contacts.gap > 0)

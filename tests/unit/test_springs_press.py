@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from spring_parts import drive, raised_cosine
+from spring_shapes import cylindrical
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.case_changes import changed_case
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
 from valvetrain.springs.multi_mass import MultiMassSpring

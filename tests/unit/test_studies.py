@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from spring_shapes import cylindrical
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
@@ -307,7 +308,7 @@ def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_c
     """F = G d^4 x / (8 D^3 n) with the active turns of the spring, within 5 % (curvature, ends that
     are not fixed).
     """
-    spring = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
+    spring = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
     rate = spring.material.shear_modulus * 3.8e-3**4 / (8 * 22e-3**3 * spring.active_coils)
     for word in ("finite-element", "multi-mass", "massless"):
         curve = vt.static_curve(spring, "2 mm", models=word, steps=8)
@@ -326,4 +327,4 @@ def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_c
 )
 def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
     with pytest.raises(vt.InputError, match=sentence):
-        vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), wanted)
+        vt.static_curve(cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), wanted)

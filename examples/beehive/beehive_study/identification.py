@@ -24,7 +24,8 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.quantities.statics import slope_change
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_varied import ModalVaried

@@ -14,8 +14,7 @@ from valvetrain.coil_contact.law import CoilContactLaw, CoilContactSpec, CoilKer
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import CoilContact
 from valvetrain.parameters.own_parts import compiled_number
-from valvetrain.parameters.schema_installed import CoilContactModel
-from valvetrain.parameters.schema_types import PositiveLength
+from valvetrain.parameters.schema_types import PositiveLength, StrictModel
 
 #: Share of an overlap over which its tangent is taken, and the least (m).
 STEP, LEAST = 1e-4, 1e-13
@@ -51,8 +50,8 @@ class FunctionCoilContact:
         return (self.stiffness,)
 
 
-class FunctionCoilContactTable(CoilContactModel):
-    """The keys of the linear law, and one."""
+class FunctionCoilContactTable(StrictModel):
+    """The key that it has beside those of the linear law."""
 
     deepest_overlap: PositiveLength = Field(
         default=1e-4, description="overlap up to which the time step is stable"
@@ -64,7 +63,7 @@ def spec_of(word: str, part: Any) -> CoilContactSpec:
     if isinstance(part, CoilContactSpec):
         return part
     if isinstance(part, CoilContactLaw) and not isinstance(part, type):
-        return CoilContactSpec(type(part), CoilContactModel, lambda contact: part)
+        return CoilContactSpec(type(part), StrictModel, lambda contact: part)
     return CoilContactSpec(FunctionCoilContact, FunctionCoilContactTable, _build)
 
 

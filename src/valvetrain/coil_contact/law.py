@@ -16,7 +16,7 @@ from valvetrain import registry
 from valvetrain.coil_contact import kernels
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import CoilContact
-from valvetrain.parameters.schema_installed import CoilContactModel
+from valvetrain.parameters.schema_types import StrictModel
 
 Array = NDArray[np.float64]
 CoilKernel = Callable[[Array, float, float], tuple[float, float, float, float]]
@@ -166,13 +166,13 @@ _ENTRIES: list[Any] = []
 
 @dataclass(frozen=True, slots=True)
 class CoilContactSpec:
-    """``law``: dataclass of the law, whose fields are the values of its own. ``table``: its table in
-    a case file, a :class:`CoilContactModel` with these keys. ``build``: makes a law that is more
+    """``law``: dataclass of the law, whose fields are the values of its own. ``table``: the keys in
+    a case file that it alone has. ``build``: makes a law that is more
     than its values from the contact of a spring.
     """
 
     law: type[Any]
-    table: type[CoilContactModel] = CoilContactModel
+    table: type[StrictModel] = StrictModel
     build: Callable[[CoilContact], CoilContactLaw] | None = None
 
 

@@ -90,7 +90,8 @@ def simulate_batch(
     --------
     >>> import numpy as np
     >>> import valvetrain as vt
-    >>> rods = [vt.springs.FiniteElementRod(vt.parameters.cylindrical(wire, "22 mm", "7 mm", 4), "2 mm", 12) for wire in ("3.8 mm", "3.9 mm")]
+    >>> wire = vt.parameters.SpringDefinition("3.8 mm", "22 mm", "7 mm", total_coils=4, material="OTEVA 90 SC")
+    >>> rods = [vt.springs.FiniteElementRod(one, "2 mm", 12) for one in (wire, wire.replace(wire_diameter="3.9 mm"))]
     >>> meshes, starts = [rod.mesh for rod in rods], [rod.installed.state for rod in rods]
     >>> batch = vt.cosserat.simulate_batch(meshes, starts, lambda time: np.full_like(time, 2e-3), "20 us", 5, rods[0].dynamics)
     >>> batch.seat_force.shape, batch.completed.tolist()

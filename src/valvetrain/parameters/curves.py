@@ -9,12 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import PlainValidator, ValidationInfo
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_types import (
+    Lengths,
+    Number,
+    Numbers,
+    PositiveLength,
+    StrictModel,
+    quantity,
+    validate_as,
+)
 from valvetrain.units import Given, si, si_each
 
 if TYPE_CHECKING:
@@ -297,3 +307,157 @@ def add_curves(first: Curve, second: Curve, weight: float = 1.0) -> Curve:
         values = first.value(knots) + weight * second.value(knots)
         return PiecewiseLinear(tuple(knots), tuple(float(value) for value in values))
     return WeightedSum(first, second, weight)
+
+
+#: The pitch rises from the wire diameter to its full value over this stretch, half of it before and
+#: half after the first turn.
+RAMP = 0.5
+
+
+def pitch_with_closed_turns(
+    total_coils: float,
+    wire: float,
+    pitch: float,
+    closed_lower: float = 1.0,
+    closed_upper: float = 1.0,
+    ramp: float = RAMP,
+) -> PiecewiseLinear:
+    """Pitch law (m per turn): the ``wire`` diameter (m) over the closed turns, ``pitch`` (m)
+    between, ramps of ``ramp`` turns.
+
+    Raises :class:`InputError` where the closed turns and their ramps leave no turn between them.
+    """
+    knots = [
+        0.0,
+        closed_lower,
+        closed_lower + ramp,
+        total_coils - closed_upper - ramp,
+        total_coils - closed_upper,
+        total_coils,
+    ]
+    values = [wire, wire, pitch, pitch, wire, wire]
+    if closed_lower == 0:
+        knots, values = knots[2:], values[2:]
+        knots[0] = 0.0
+    if closed_upper == 0:
+        knots, values = knots[:-2], values[:-2]
+        knots[-1] = total_coils
+    if np.any(np.diff(knots) <= 0):
+        raise InputError(
+            f"{total_coils:g} turns leave no space between the closed ends; add turns or shorten the ramps"
+        )
+    return PiecewiseLinear(tuple(knots), tuple(values))
+
+
+class KnotsForm(StrictModel):
+    """``{ coils = [0, 4, 7], values = "22, 22, 17 mm" }``, straight between knots, or smooth with
+    ``kind = "table"``.
+
+    ``clearances`` in place of ``values`` gives a pitch less the wire diameter.
+    """
+
+    kind: Literal["piecewise-linear", "table"] = "piecewise-linear"
+    coils: Numbers
+    values: Lengths | None = None
+    clearances: Lengths | None = None
+
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
+        if (self.values is None) == (self.clearances is None):
+            raise InputError(
+                "a curve over coils has either values or clearances (pitch less wire diameter); give one of them"
+            )
+        numbers = self.values if self.values is not None else self.clearances
+        assert numbers is not None
+        curve: Curve = (
+            Table(self.coils, numbers)
+            if self.kind == "table"
+            else PiecewiseLinear(self.coils, numbers)
+        )
+        if self.clearances is None:
+            return curve
+        if wire is None:
+            raise InputError("clearances belong to a pitch; give values here")
+        return add_curves(curve, wire)
+
+
+class FormulaForm(StrictModel):
+    """A named law: linear (conical), parabolic (barrel, hourglass), beehive, closed-ends (a pitch)."""
+
+    formula: Literal["linear", "conical", "barrel", "hourglass", "beehive", "closed-ends"]
+    lower: PositiveLength | None = None
+    upper: PositiveLength | None = None
+    ends: PositiveLength | None = None
+    middle: PositiveLength | None = None
+    taper_from_coil: Number | None = None
+    pitch: PositiveLength | None = None
+    closed_lower: Number = 1.0
+    closed_upper: Number = 1.0
+    ramp: Number = 0.5
+
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
+        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
+        if self.formula in ("linear", "conical"):
+            lower, upper = self._need("lower", "upper")
+            return PiecewiseLinear((0.0, total_coils), (lower, upper))
+        if self.formula in ("barrel", "hourglass"):
+            ends, middle = self._need("ends", "middle")
+            if (middle > ends) != (self.formula == "barrel"):
+                raise InputError(
+                    f"formula {self.formula} has middle {middle:g} m and ends {ends:g} m, the wrong way round; swap them"
+                )
+            return Parabola(ends, middle, total_coils)
+        if self.formula == "beehive":
+            lower, upper, start = self._need("lower", "upper", "taper_from_coil")
+            return PiecewiseLinear((0.0, start, total_coils), (lower, lower, upper))
+        (pitch,) = self._need("pitch")
+        if not isinstance(wire, Constant):
+            raise InputError(
+                "formula closed-ends is a pitch for a wire of constant diameter; write the pitch over coils instead"
+            )
+        return pitch_with_closed_turns(
+            total_coils, wire.level, pitch, self.closed_lower, self.closed_upper, self.ramp
+        )
+
+    def _need(self, *names: str) -> tuple[float, ...]:
+        for name in names:
+            if getattr(self, name) is None:
+                raise InputError(f"formula {self.formula} needs {' and '.join(names)}; add {name}")
+        return tuple(getattr(self, name) for name in names)
+
+
+class HeightForm(StrictModel):
+    """Height of the wire axis over the coil number, interpolated smoothly: another way to give the
+    pitch.
+    """
+
+    kind: Literal["table"] = "table"
+    coils: Numbers
+    values: Lengths
+
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
+        """The pitch; raises :class:`InputError` for knots that make no curve."""
+        return SlopeOf(Table(self.coils, self.values))
+
+
+def curve_of(form: Any, total_coils: float, wire: Curve | None = None) -> Curve:
+    """The curve of what is given, a number (m), a curve or a form of a file, over ``total_coils`` turns of a ``wire``;
+    raises :class:`InputError`.
+    """
+    if isinstance(form, (KnotsForm, FormulaForm, HeightForm)):
+        return form.build(total_coils, wire)
+    curve: Curve = Constant(form) if isinstance(form, float) else form
+    return curve
+
+
+_read_length: Any = quantity("length").func
+
+
+def _read_curve(raw: Any, info: ValidationInfo) -> Any:
+    if isinstance(raw, dict):
+        return validate_as(FormulaForm if "formula" in raw else KnotsForm, raw)
+    return raw if isinstance(raw, Curve) else _read_length(raw, info)
+
+
+#: A curve in a file or in Python; a form of a file becomes one where the turns of the wire are known.
+CurveField = Annotated[Curve, PlainValidator(_read_curve)]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.schema_types import guarded, placed, problem, validate_as
 
 #: Loads of one are parted where both together agree with wires and coils within these factors.
 LOW, HIGH = 0.7, 1.4
@@ -14,25 +17,10 @@ FAR = 0.1
 #: Active turns of a spring whose rate is what the other one leaves.
 MIN_TURNS, MAX_TURNS = 2.0, 14.0
 NAMES = ("outer", "inner")
-
-
-@dataclass(frozen=True, slots=True)
-class Half:
-    """One spring of a pair: ``wire_diameter`` and ``mean_diameter`` (m), ``shear_modulus`` (Pa),
-    ``installed_height`` (m), and where they are known ``active_coils`` and ``free_length`` (m).
-    """
-
-    wire_diameter: float
-    mean_diameter: float
-    shear_modulus: float
-    installed_height: float
-    active_coils: float | None = None
-    free_length: float | None = None
-
-    @property
-    def rate_of_one_coil(self) -> float:
-        """Rate (N/m) of one active turn, G d^4 / (8 D^3)."""
-        return self.shear_modulus * self.wire_diameter**4 / (8 * self.mean_diameter**3)
+#: Of a closed and ground spring: turns that do not move, and those of its solid height.
+INACTIVE = 2.0
+#: Keys by which the total loads are given, in the first table.
+LOADS = ("preload", "open_load", "open_lift", "open_height", "rate")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +48,7 @@ class Parted:
         return {"rates_by": self.rates_by, "preloads_by": self.preloads_by, **named}
 
 
-def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
+def part(rate: float, preload: float, outer: SpringCard, inner: SpringCard) -> Parted:
     """The loads of a dual spring, parted.
 
     Rates are in the ratio of G d^4 / (8 D^3 n) and add up to the total; where the turns of one are
@@ -71,7 +59,7 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
     ----------
     rate : of both together, N/m
     preload : of both together at the installed heights, N
-    outer, inner : known values of each
+    outer, inner : wire_diameter, mean_diameter and installed_height of each; active_coils and free_length where they are known
 
     Raises
     ------
@@ -79,7 +67,9 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
 
     Examples
     --------
-    >>> outer, inner = Half(4.8e-3, 31.0e-3, 79.5e9, 0.045, 4.5), Half(3.3e-3, 22.8e-3, 79.5e9, 0.045, 5.0)
+    >>> coils = {"loads_of": "pair", "installed_height": 0.045, "material": "EN 10270-2 VDSiCr"}
+    >>> outer = SpringCard(wire_diameter=4.8e-3, mean_diameter=31.0e-3, active_coils=4.5, **coils)
+    >>> inner = SpringCard(wire_diameter=3.3e-3, mean_diameter=22.8e-3, active_coils=5.0, **coils)
     >>> found = part(60e3, 600.0, outer, inner)
     >>> [round(one) for one in found.rates], [round(one) for one in found.preloads]
     ([39857, 20143], [399, 201])
@@ -88,13 +78,13 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
     coils = (outer.rate_of_one_coil / rates[0], inner.rate_of_one_coil / rates[1])
     preloads, why = _preloads(preload, rates, outer, inner)
     lengths = (
-        outer.installed_height + preloads[0] / rates[0],
-        inner.installed_height + preloads[1] / rates[1],
+        (outer.installed_height or 0.0) + preloads[0] / rates[0],
+        (inner.installed_height or 0.0) + preloads[1] / rates[1],
     )
     return Parted(rates, preloads, coils, lengths, how, why)
 
 
-def _rates(rate: float, outer: Half, inner: Half) -> tuple[tuple[float, float], str]:
+def _rates(rate: float, outer: SpringCard, inner: SpringCard) -> tuple[tuple[float, float], str]:
     """Rates of both, and by what they were found."""
     formula = "G d^4 / (8 D^3 n)"
     own = [None if one.active_coils is None else one.rate_of_one_coil / one.active_coils for one in (outer, inner)]  # fmt: skip
@@ -137,11 +127,13 @@ def _rates(rate: float, outer: Half, inner: Half) -> tuple[tuple[float, float], 
 
 
 def _preloads(
-    preload: float, rates: tuple[float, float], outer: Half, inner: Half
+    preload: float, rates: tuple[float, float], outer: SpringCard, inner: SpringCard
 ) -> tuple[tuple[float, float], str]:
     """Preloads of both, and by what they were found."""
     own = [
-        None if one.free_length is None else rate * (one.free_length - one.installed_height)
+        None
+        if one.free_length is None
+        else rate * (one.free_length - (one.installed_height or 0.0))
         for one, rate in zip((outer, inner), rates, strict=True)
     ]
     first, second = own
@@ -166,3 +158,83 @@ def _preloads(
         )
     pair = (mine, preload - mine) if first is not None else (preload - mine, mine)
     return pair, f"preloads by the free length of the {name}"
+
+
+def read_pair(entries: list[dict[str, Any]]) -> tuple[SpringCard, SpringCard]:
+    """Both cards of a file (``loads_of = "pair"``), each with its own loads; raises a located problem."""
+    outer, inner = (
+        validate_as(SpringCard, {"loads_of": "pair", **entry}, (place,))
+        for place, entry in enumerate(entries)
+    )
+    for key in LOADS:
+        if key in entries[1]:
+            raise problem(
+                f"loads_of = 'pair' says that the loads of the first spring are those of both; leave {key} out here",
+                (1, key),
+            )
+    if not (outer.preload or 0.0) > 0:
+        raise problem("the total preload of the pair is missing; add it", (0, "preload"))
+    if outer.installed_height is None:
+        raise problem("total loads are parted at installed_height; add it", (0, "installed_height"))
+    height = outer.installed_height
+    rate, lift = placed(0, outer.rate_and_lift, height)
+    placed(0, outer.refuse_open_solid, lift, height)
+    halves = [placed(place, _half, one, height) for place, one in enumerate((outer, inner))]
+    found = guarded(part, rate, outer.preload, *halves)
+    cards = []
+    for place, half in enumerate(halves):
+        loads = {"preload": found.preloads[place], "rate": found.rates[place], "open_lift": lift}
+        turns = half.active_coils or found.active_coils[place]
+        split = {} if place else found.fields
+        cards.append(placed(place, half.parted, split, active_coils=turns, **loads))
+    if doubt := doubtful_pair(found.rates, found.active_coils):
+        warnings.warn(f"dual spring: {doubt}", UnusualValueWarning, stacklevel=2)
+    return cards[0], cards[1]
+
+
+def _half(card: SpringCard, height: float) -> SpringCard:
+    """One spring of a pair with mean diameter and turns; ``height`` (m): installed, where it has none of its own."""
+    if card.mass is not None:
+        raise problem(
+            "the mass follows from both wires; change total_coils or wire_diameter, and leave mass out",
+            ("mass",),
+        )
+    if card.preload_height is not None:
+        raise problem(
+            "loads of a pair are those at installed_height; leave preload_height out",
+            ("preload_height",),
+        )
+    if card.wire_diameter is None:
+        raise problem(
+            "total loads are parted by both wires; give wire_diameter", ("wire_diameter",)
+        )
+    mean = card.mean_of("give mean_diameter or outer_diameter, one of them")
+    active, total = card.active_coils, card.total_coils
+    if active is None and total is None and card.solid_height is not None:
+        total = card.solid_height / card.wire_diameter
+    if active is None and total is not None:
+        if total <= INACTIVE:
+            raise problem(
+                f"there are {total:.3g} turns in all, of which two are at rest; check turns, solid_height and wire_diameter",
+                ("wire_diameter",),
+            )
+        active = total - INACTIVE
+    installed = card.installed_height or height
+    return card.replace(
+        mean_diameter=mean, outer_diameter=None, active_coils=active, installed_height=installed
+    )
+
+
+def doubtful_pair(rates: tuple[float, float], turns: tuple[float, float]) -> str:
+    """Why ``rates`` (N/m) and active ``turns`` of outer and inner are hardly those of a dual spring; empty where
+    the outer one is the stiffer, as those of catalogues are.
+
+    >>> doubtful_pair((38e3, 27e3), (4.2, 2.8))
+    ''
+    """
+    if rates[1] <= rates[0]:
+        return ""
+    return (
+        f"the inner spring would be the stiffer one ({rates[1] / 1e3:.3g} against {rates[0] / 1e3:.3g} N/mm, {turns[1]:.3g} active turns); those of "
+        "catalogues are the softer: measure both wires, and count the turns of both"
+    )

@@ -6,51 +6,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, Any, Literal
+from dataclasses import InitVar, fields, replace
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, StrictBool, model_validator
+from pydantic.fields import FieldInfo
+from pydantic_core import ArgsKwargs
 
+from valvetrain import registry
 from valvetrain.errors import InputError
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_types import (
     FOLLOWS,
     DampingRate,
     Frequency,
+    Length,
     PositiveLength,
     Ratio,
+    StrictModel,
     Table,
     Time,
+    guarded,
     problem,
     quantity,
+    refuse_unknown,
     table,
+    validate_as,
 )
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.units import keep_si
-
-
-@dataclass(frozen=True, slots=True)
-class SpringCard:
-    """A spring known only by its catalogue card: ``rate`` (N/m), ``preload`` at the seat (N), the
-    rest where known (kg, m, N). ``split``: how its loads were found, and the numbers of both springs, where total loads were split.
-    """
-
-    rate: float
-    preload: float
-    mass: float | None = None
-    installed_height: float | None = None
-    open_load: float | None = None
-    open_lift: float | None = None
-    solid_height: float | None = None
-    name: str = "spring card"
-    split: Mapping[str, float | str] = field(default_factory=dict, compare=False)
-
-    @property
-    def surge_frequency(self) -> float | None:
-        """First surge frequency (Hz), both ends fixed: 0.5 sqrt(rate / mass); None without a mass."""
-        return None if self.mass is None else 0.5 * math.sqrt(self.rate / self.mass)
-
+from valvetrain.parameters.spring_options import options_problem
 
 Share = Annotated[float, quantity("ratio", low=0.0, high=1.0)]
 PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
@@ -220,46 +207,77 @@ class Guide(Table):
 
 #: Line stiffness (N/m per m) beyond which linear algebra on it never ends.
 STIFFEST = 1e40
-#: Ways a retainer is oriented about the axis.
-ROTATIONS = ("fixed", "free")
+#: The law of contact between coils that ships.
+LINEAR = "linear"
+LineStiffness = Annotated[float, quantity("line stiffness", low=0.0, high=STIFFEST)]
 
 
-@dataclass(frozen=True, slots=True)
-class CoilContact:
+def _table_of(law: Any) -> type[StrictModel]:
+    """The table of the keys that a law alone has."""
+    if law == LINEAR or not isinstance(law, str):
+        return StrictModel
+    found: type[StrictModel] = guarded(registry.find, "coil_contacts", law, path=("law",)).table
+    return found
+
+
+@table("the coil contact")
+class CoilContact(Table):
     """Contact of coil on coil and of coil on seat, the same for every model: ``stiffness`` (N/m per
-    m of wire; 0: coils pass through each other), ``damping_time`` (s), damping over stiffness, the
-    name of its ``law`` and the ``values`` of that law alone (:mod:`valvetrain.coil_contact`).
+    m of wire), ``damping_time`` (s), the name of its ``law`` and the ``values`` of that law alone
+    (:mod:`valvetrain.coil_contact`), which in a file stand among the other keys.
     """
 
-    stiffness: float = 2e10
-    damping_time: float = 1e-6
-    law: str = "linear"
-    values: Mapping[str, float] = field(default_factory=FrozenMapping)
+    stiffness: LineStiffness = Field(
+        default=2e10,
+        description="stiffness per length of wire; 0: coils pass through each other",
+    )
+    damping_time: Time = Field(default=1e-6, description="damping over stiffness")
+    law: str = Field(
+        default=LINEAR, description="law of the force, with keys of its own where it has some"
+    )
+    values: Mapping[str, Any] = FrozenMapping()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _values_of_law(cls, raw: Any) -> Any:
+        """The table of a file, with the keys of its law as values."""
+        if isinstance(raw, (cls, ArgsKwargs)):
+            return raw
+        refuse_unknown(raw, cls.fields_of(raw if isinstance(raw, dict) else {}))
+        if not isinstance(law := raw.get("law", LINEAR), str):
+            return raw
+        of_law = {key: one for key, one in raw.items() if key not in cls.model_fields}
+        values = dict(validate_as(_table_of(law), of_law))
+        common = {key: one for key, one in raw.items() if key not in of_law}
+        return common | {"law": carrying(law), "values": values}
+
+    @classmethod
+    def fields_of(cls, given: Mapping[str, Any]) -> dict[str, FieldInfo]:
+        """The fields of the table with those of the law that it names."""
+        own = {key: one for key, one in cls.model_fields.items() if key != "values"}
+        return {**own, **_table_of(given.get("law", LINEAR)).model_fields}
 
     def __post_init__(self) -> None:
-        keep_si(self, "the coil contact", stiffness="line stiffness", damping_time="time")
         object.__setattr__(self, "values", FrozenMapping(self.values))
-        for name in ("stiffness", "damping_time"):
-            value = getattr(self, name)
-            if not value >= 0:
-                raise InputError(
-                    f"{name} of the coil contact must be zero or a positive number; it is {value:g}"
-                )
-        if self.stiffness > STIFFEST:
-            raise InputError(
-                f"stiffness of the coil contact is {self.stiffness:g} N/m per m, beyond any steel; give one near 2e10"
-            )
 
 
-@dataclass(frozen=True)
-class InstalledSpring:
+EndContact = Literal["lifting", "bonded"]
+#: Ways a retainer is oriented about the axis.
+Rotation = Literal["fixed", "free"]
+ROTATIONS = get_args(Rotation)
+#: Shorter compressions (m) come from rounding: the spring is installed at its free length.
+ROUNDING = 1e-9
+
+
+@table("an installed spring")
+class InstalledSpring(Table):
     """One spring between seat and retainer: exactly one of ``wire`` and ``card``.
 
-    ``precompression`` (m): shortening from the free length with the valve closed (a wire's; a
-    card's is preload / rate). ``seats``: ``planes`` where end coils may touch flat seats beyond
+    ``precompression`` (m): shortening from the free length with the valve closed (a wire's, for which ``installed_height`` may
+    be given; a card's is preload / rate). ``seats``: ``planes`` where end coils may touch flat seats beyond
     their inactive turns, ``clamps`` where nothing but the inactive ends is touched. ``options``:
     spring-model word -> keyword arguments of that model's options. ``tied``: its ends are bonded
-    to seat and retainer, so that it also pulls; others lift where they would pull. ``guide``: bore or rod that
+    to seat and retainer (``end_contact``), so that it also pulls; others lift where they would pull. ``guide``: bore or rod that
     keeps a wire straight; springs that only move along their axis need none and do not feel it.
     ``retainer_rotation``: whether the retainer may turn about the axis at rest, which a wire alone
     feels. Raises :class:`InputError` for a spring that would be stretched or solid as installed.
@@ -267,53 +285,86 @@ class InstalledSpring:
 
     wire: SpringDefinition | None = None
     card: SpringCard | None = None
-    precompression: float = 0.0
-    seats: Literal["planes", "clamps"] = "planes"
-    damping: DampingParameters = field(default_factory=DampingParameters)
+    precompression: Length = Field(
+        default=FOLLOWS,
+        description="shortening from the free length with the valve closed; without it none",
+    )
+    seats: Literal["planes", "clamps"] = Field(
+        default="planes", description="flat seats, or nothing but the fixed inactive ends"
+    )
+    damping: DampingParameters = DampingParameters()
     contact: CoilContact = CoilContact()
-    options: Mapping[str, Mapping[str, Any]] = field(default_factory=FrozenMapping)
-    tied: bool = False
-    guide: Guide | None = None
-    retainer_rotation: Literal["fixed", "free"] = "fixed"
+    options: Mapping[str, Any] = FrozenMapping()
+    tied: StrictBool = False
+    guide: Guide | None = Field(
+        default=None, description="bore or rod that keeps the spring straight"
+    )
+    retainer_rotation: Rotation = Field(
+        default="fixed", description="whether the retainer may turn about the axis at rest"
+    )
+    installed: InitVar[PositiveLength | None] = Field(default=None, alias="installed_height")
+    ends: InitVar[EndContact | None] = Field(
+        default=None,
+        alias="end_contact",
+        description="whether the ends lift off seat and retainer, or are bonded and pull; by default they lift, between clamps they are bonded",
+    )
 
-    def __post_init__(self) -> None:
-        keep_si(self, "an installed spring", precompression="compression")
-        object.__setattr__(
-            self,
-            "options",
-            FrozenMapping({word: FrozenMapping(values) for word, values in self.options.items()}),
-        )
+    def __post_init__(self, installed: float | None, ends: EndContact | None) -> None:
         if (self.wire is None) == (self.card is None):
-            raise InputError(
+            raise problem(
                 "an installed spring is known by its wire or by its card; give one of them"
             )
-        if self.seats not in ("planes", "clamps"):
-            raise InputError(
-                f"seats '{self.seats}' of spring '{self.name}' is unknown; use planes or clamps"
-            )
-        from valvetrain.parameters.spring_options import options_problem
-
-        if (wrong := options_problem(self.options, self.card is not None)) is not None:
-            raise InputError(wrong[2])
-        if self.card is not None and not (self.card.rate > 0 and self.card.preload >= 0):
-            raise InputError(
-                f"the card of spring '{self.name}' gives a rate of {self.card.rate:g} N/m and a preload of {self.card.preload:g} N; "
-                "the rate must be positive and the preload zero or more"
-            )
-        if self.card is not None:
-            object.__setattr__(self, "precompression", self.card.preload / self.card.rate)
-        if self.wire is not None:
-            self.wire.refuse_solid(self.precompression)
-        if self.retainer_rotation not in ROTATIONS:
-            raise InputError(
-                f"retainer_rotation '{self.retainer_rotation}' of spring '{self.name}' is unknown; use fixed or free"
+        compression = self._compression(installed)
+        if ends == "lifting" and self.seats == "clamps":
+            raise problem(
+                "ends between clamps cannot lift; give seats = 'planes', or bonded ends",
+                ("end_contact",),
             )
         if self.guide is not None:
             if self.wire is None:
-                raise InputError(
+                raise problem(
                     f"spring '{self.name}' is known by its card, so it cannot lean on a guide; remove the guide or give its wire"
                 )
-            self.guide.check_fit(self.wire)
+            guarded(self.guide.check_fit, self.wire, path=("guide",))
+        options = {word: FrozenMapping(values) for word, values in self.options.items()}
+        if ends == "lifting":
+            word = "finite-element"
+            options[word] = FrozenMapping({"lifting_ends": True, **options.get(word, {})})
+        if (wrong := options_problem(options, self.card is not None)) is not None:
+            raise problem(wrong[2], ("options", *wrong[:2]))
+        values = {"precompression": compression, "options": FrozenMapping(options)}
+        for name, value in {**values, "tied": self.tied or ends == "bonded"}.items():
+            object.__setattr__(self, name, value)
+
+    def _compression(self, installed: float | None) -> float:
+        """Shortening (m) as installed; refuses a wire that would be stretched or solid."""
+        if self.card is not None:
+            if self.card.preload < 0 or self.card.rate <= 0:
+                raise problem(
+                    f"the card of spring '{self.name}' gives a rate of {self.card.rate:g} N/m and a preload of {self.card.preload:g} N; "
+                    "the rate must be positive and the preload zero or more"
+                )
+            return self.card.preload / self.card.rate
+        assert self.wire is not None
+        key, compression = "precompression", self.precompression or 0.0
+        if installed is not None:
+            key, compression = "installed_height", self.wire.free_length - installed
+            if self.precompression is not None:
+                raise problem(
+                    "precompression and installed_height are both given and may contradict; give one",
+                    (key,),
+                )
+        if abs(compression) < ROUNDING:
+            return 0.0
+        if compression < 0:
+            remedy = f"its free length is {self.wire.free_length * 1e3:.4g} mm; lower installed_height or raise precompression"
+            raise problem(f"the spring would be stretched, not compressed: {remedy}", (key,))
+        if compression >= (room := self.wire.solid_compression):
+            raise problem(
+                f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of travel left: compress it less",
+                (key,),
+            )
+        return compression
 
     @property
     def name(self) -> str:
@@ -377,7 +428,7 @@ class InstalledSpring:
         leaves the preload out: it is ``tied``.
         """
         if self.card is not None:
-            return replace(self, card=replace(self.card, preload=0.0), tied=True)
+            return replace(self, card=self.card.replace(preload=0.0), tied=True)
         return replace(self, precompression=0.0, tied=True)
 
 

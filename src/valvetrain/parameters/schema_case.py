@@ -19,7 +19,6 @@ from valvetrain.parameters.case import Case, Limits, Note, Operation, point_prob
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import LiftField, LiftLawParameters, LiftModel
-from valvetrain.parameters.schema_blocks import CaseSprings
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
     CaseName,
@@ -33,6 +32,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
+from valvetrain.parameters.spring_blocks import CaseSprings
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, fields
-from functools import wraps
+from dataclasses import MISSING, dataclass, field, fields
+from functools import partial, wraps
 from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 import pydantic.dataclasses
@@ -39,7 +39,7 @@ from valvetrain.units import (
 )
 from valvetrain.units.text import clipped
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound="BaseModel | Table")
 Part = TypeVar("Part", bound="Table")
 
 
@@ -53,7 +53,8 @@ class StrictModel(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, raw: Any) -> Any:
-        return _refuse_unknown(raw, cls.model_fields)
+        fields = {info.alias or name: info for name, info in cls.model_fields.items()}
+        return refuse_unknown(raw, fields)
 
 
 class Table:
@@ -64,21 +65,23 @@ class Table:
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, raw: Any) -> Any:
-        fields = cls.__pydantic_fields__  # type: ignore[attr-defined]
+        fields = cls.model_fields
         if isinstance(raw, ArgsKwargs):  # made in Python: numbers alone are SI, None is not given
+            fields = fields | cls.__pydantic_fields__  # type: ignore[attr-defined]
             named = {
                 key: plain_value(value)
                 for key, value in (raw.kwargs or {}).items()
                 if value is not None or key not in fields or fields[key].default is not None
             }
             return ArgsKwargs(
-                tuple(plain_value(value) for value in raw.args), _refuse_unknown(named, fields)
+                tuple(plain_value(value) for value in raw.args), refuse_unknown(named, fields)
             )
-        return raw if isinstance(raw, cls) else _refuse_unknown(raw, fields)
+        return raw if isinstance(raw, cls) else refuse_unknown(raw, fields)
 
 
-def _refuse_unknown(raw: Any, fields: Mapping[str, FieldInfo]) -> dict[str, Any]:
-    known = tuple(field.alias or name for name, field in fields.items())
+def refuse_unknown(raw: Any, fields: Mapping[str, FieldInfo]) -> dict[str, Any]:
+    """The table ``raw``; refuses what is none and a key that is not among its ``fields``, with the nearest."""
+    known = tuple(fields)
     if not isinstance(raw, dict):
         raise problem(f"a table of {', '.join(known)} is needed here")
     for key in raw:
@@ -90,11 +93,16 @@ def _refuse_unknown(raw: Any, fields: Mapping[str, FieldInfo]) -> dict[str, Any]
     return raw
 
 
+def as_given(*, default: Any, description: str) -> Any:
+    """A field of a table that says what others follow from, and does not make two tables differ."""
+    return field(default=default, compare=False, repr=False, metadata={"description": description})
+
+
 #: Default of a field that ``__post_init__`` fills in where it is not given; a field of numbers to readers.
 FOLLOWS: Any = None
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(Field,))
+@dataclass_transform(frozen_default=True, field_specifiers=(Field, as_given))
 def table(noun: str) -> Callable[[type[Part]], type[Part]]:
     """Makes a class one table of a case file and the frozen parameters that the physics reads.
 
@@ -104,10 +112,13 @@ def table(noun: str) -> Callable[[type[Part]], type[Part]]:
 
     def make(cls: type[Part]) -> type[Part]:
         made: Any = pydantic.dataclasses.dataclass(
-            frozen=True, config=ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+            frozen=True,
+            config=ConfigDict(extra="forbid", arbitrary_types_allowed=True, populate_by_name=True),
         )(cls)
         infos = made.__pydantic_fields__
-        made.model_fields = {info.alias or name: info for name, info in infos.items()}
+        made.model_fields = {
+            info.alias or name: info for name, info in infos.items() if info.init is not False
+        }
         for one in fields(made):  # the default alone, without the words around it
             info = infos[one.name]
             one.default = MISSING if info.is_required() else info.default
@@ -120,8 +131,8 @@ def table(noun: str) -> Callable[[type[Part]], type[Part]]:
             except ValidationError as error:
                 path, reason = first_problem(error)
                 names = list(made.model_fields)
-                field = ".".join(names[key] if isinstance(key, int) else key for key in path[:1])
-                raise InputError(reason, f"{field} of {noun}" if field else "") from None
+                key = ".".join(names[key] if isinstance(key, int) else key for key in path[:1])
+                raise InputError(reason, f"{key} of {noun}" if key else "") from None
 
         made.__init__ = init
         result: type[Part] = made
@@ -144,12 +155,15 @@ def guarded(function: Callable[..., Any], *arguments: Any, path: tuple[str | int
 
 
 def placed(
-    where: str | int | tuple[str | int, ...], function: Callable[..., Any], *arguments: Any
+    where: str | int | tuple[str | int, ...],
+    function: Callable[..., Any],
+    *arguments: Any,
+    **named: Any,
 ) -> Any:
     """Call ``function`` and put ``where`` before the path of any problem in it."""
     path = where if isinstance(where, tuple) else (where,)
     try:
-        return guarded(function, *arguments)
+        return guarded(partial(function, **named), *arguments)
     except PydanticCustomError as error:
         context = error.context or {}
         raise problem(
@@ -160,7 +174,8 @@ def placed(
 def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
     """Validate ``raw`` as ``model`` from within another validator, keeping the place of the error."""
     try:
-        found: Model = model.__pydantic_validator__.validate_python(raw)
+        validator: Any = model.__pydantic_validator__  # type: ignore[attr-defined]
+        found: Model = validator.validate_python(raw)
         return found
     except ValidationError as error:
         inner, reason = first_problem(error)
@@ -218,6 +233,8 @@ DOUBTED: dict[str, str] = {
     "open_height": "spring_length", "solid_height": "spring_length", "precompression": "compression", "maximum_lift": "valve_lift",
     "youngs_modulus": "modulus", "shear_modulus": "modulus", "density": "density", "engine_speeds": "engine_speed",
     "cam_speeds": "cam_speed",
+    # fields whose key is the name of something else in Python
+    "outer": "mean_diameter", "free": "spring_length", "stated_solid_height": "spring_length", "installed": "spring_length",
 }  # fmt: skip
 
 

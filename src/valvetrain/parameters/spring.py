@@ -2,21 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, replace
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.curves import Array, Constant, Curve
-from valvetrain.parameters.material import Material
-from valvetrain.parameters.schema_types import FOLLOWS, Table, quantity, table
+from valvetrain.parameters.curves import (
+    Array,
+    Constant,
+    Curve,
+    CurveField,
+    HeightForm,
+    add_curves,
+    curve_of,
+    pitch_with_closed_turns,
+)
+from valvetrain.parameters.material import MaterialField
+from valvetrain.parameters.schema_types import (
+    FOLLOWS,
+    Name,
+    PositiveLength,
+    Table,
+    guarded,
+    problem,
+    quantity,
+    table,
+)
 from valvetrain.parameters.solid import computed_solid_height
+from valvetrain.parameters.winding import EndCoil, EndField, is_closed, refuse_lost_tip, wind
 from valvetrain.units import si
 
+#: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
+MAX_COILS = 200.0
+TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MAX_COILS, open_low=True)]
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding
 #: slack).
 OVERLAP_SLACK = 0.02
@@ -36,22 +58,6 @@ _LABELS = {
 
 def check_spring(spring: SpringDefinition) -> None:
     """Raise :class:`InputError` when ``spring`` is impossible."""
-    if not isinstance(spring.material, Material):
-        raise InputError(
-            f"material of spring '{spring.name}' is no Material; give one, such as material_by_name('oteva 90 sc')"
-        )
-    if (
-        isinstance(spring.total_coils, str)
-        or not np.isfinite(spring.total_coils)
-        or spring.total_coils <= 0
-    ):
-        raise InputError(
-            f"spring '{spring.name}' has {spring.total_coils} turns; give a positive number of total_coils"
-        )
-    if spring.hand not in ("right", "left"):
-        raise InputError(
-            f"hand '{spring.hand}' of spring '{spring.name}' is unknown; use right or left"
-        )
     first, last = spring.free_coils
     if last - first < 0.5:
         raise InputError(
@@ -74,6 +80,14 @@ def check_spring(spring: SpringDefinition) -> None:
         spring,
         "coil overlaps the one below it in the free state; raise the pitch or thin the wire",
     )
+    if (solid := spring.stated_solid_height) is not None and not solid < spring.free_length:
+        raise InputError(
+            f"spring '{spring.name}' is {spring.free_length * 1e3:.4g} mm long, so it is not solid at {solid * 1e3:.4g} mm; check solid_height"
+        )
+    if isinstance(spring.pitch, Constant):
+        for end, tip in ((spring.lower_end, 0.0), (spring.upper_end, spring.total_coils)):
+            wire = float(spring.wire_diameter.value(tip))
+            refuse_lost_tip(spring.name, end, spring.pitch.level, wire)
 
 
 def _check_curve(spring: SpringDefinition, key: str, label: str, coil: Array) -> None:
@@ -105,17 +119,6 @@ def _check_curve(spring: SpringDefinition, key: str, label: str, coil: Array) ->
         si(largest, key, f"{key} of spring '{spring.name}'")
 
 
-def refuse_lost_tip(name: str, kind: str, ground_coils: float, pitch: float, wire: float) -> None:
-    """Raise :class:`InputError` where grinding ``ground_coils`` turns at a constant ``pitch`` (m)
-    takes all of the tip's ``wire`` (m).
-    """
-    if ground_coils * pitch > wire * (1 + 1e-9):
-        raise InputError(
-            f"spring '{name}' has a constant pitch of {pitch * 1e3:.4g} mm, so grinding {ground_coils:g} turns of its {kind} end takes the "
-            f"whole tip of the {wire * 1e3:.4g} mm wire; wind the end closed (pitch_with_closed_ends, or a free length), or grind less"
-        )
-
-
 def _refuse(bad: np.ndarray, coil: np.ndarray, spring: SpringDefinition, reason: str) -> None:
     if np.any(bad):
         raise InputError(
@@ -145,101 +148,102 @@ def _refuse_jumps(spring: SpringDefinition, coil: np.ndarray) -> None:
         )
 
 
-EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
-#: Kind -> inactive and ground turns where none are given.
-_TYPICAL_TURNS: dict[str, tuple[float, float]] = {
-    "closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0), "open-ground": (0.5, 0.25),
-}  # fmt: skip
-EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
+def _wound(
+    key: str, form: Any, turns: float, wire: Curve, ends: tuple[Any, Any]
+) -> tuple[Curve, EndCoil, EndCoil]:
+    """Pitch law and both ``ends``, by what is given at ``key``: a pitch, a height or the free length."""
+    if key == "free_length":
+        return wind(turns, wire, form, *ends)
+    closed = tuple(float(is_closed(end)) for end in ends)
+    pitch = curve_of(form, turns, wire)
+    if isinstance(form, float) and any(closed) and isinstance(wire, Constant):
+        pitch = pitch_with_closed_turns(turns, wire.level, form, *closed)
+    lower, upper = (end if isinstance(end, EndCoil) else EndCoil(end) for end in ends)
+    return pitch, lower, upper
 
 
-@table("the end")
-class EndCoil(Table):
-    """How one end of the spring meets its seat.
-
-    ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where
-    they end). ``ground_coils``: turns over which the wire is ground flat; the seat plane touches
-    the full wire there. Left out, both follow from the kind, as in a case file: 0.75 and 0.75
-    closed and ground, 0.75 and 0 closed, none open, 0.5 and 0.25 open and ground. Raises
-    :class:`InputError` for an unknown kind and turns outside 0 to 3.
-
-    >>> EndCoil("open").inactive_coils
-    0.0
-    """
-
-    kind: EndKind = "closed-ground"
-    inactive_coils: EndTurns = Field(default=FOLLOWS)
-    ground_coils: EndTurns = Field(default=FOLLOWS)
-
-    def __post_init__(self) -> None:
-        for name, turns in zip(
-            ("inactive_coils", "ground_coils"), _TYPICAL_TURNS[self.kind], strict=True
-        ):
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, turns)
+def given_once(**ways: Any) -> tuple[str, Any]:
+    """The way that is given, with its value; refuses none and several."""
+    given = [key for key, value in ways.items() if value is not None]
+    if len(given) > 1:
+        raise problem(
+            f"{' and '.join(given)} are {'both' if len(given) == 2 else 'all'} given and may contradict each other; give one",
+            (given[1],),
+        )
+    if not given:
+        raise problem(f"neither {' nor '.join(ways)} is given; add one")
+    return given[0], ways[given[0]]
 
 
-OPEN_END = EndCoil("open")
-
-
-def is_closed(end: EndCoil | EndKind) -> bool:
-    """Whether the last turn touches its neighbour."""
-    return (end.kind if isinstance(end, EndCoil) else end).startswith("closed")
-
-
-@dataclass(frozen=True)
-class SpringDefinition:
-    """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower
+@table("the spring")
+class SpringDefinition(Table):
+    """The wire of a coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower
     wire tip.
 
     ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du
-    in m; a length is taken as a constant. The pitch must be continuous (its slope may jump).
-    ``stated_solid_height``: the solid height (m) of a card or drawing, in place of the computed one.
+    in m; a length is a constant, as a pitch that between closed ends. The pitch must be continuous (its slope
+    may jump). ``outer_diameter`` may stand in place of the mean one, ``height`` (of the wire axis over the coils) or
+    ``free_length`` (m) in place of the pitch, ``ends`` in place of both ends. ``stated_solid_height``, given as
+    ``solid_height``: that (m) of a card or drawing, in place of the computed one.
     Raises :class:`InputError` with the reason for a spring that cannot exist.
 
-    >>> import valvetrain as vt
-    >>> steel = vt.parameters.Material("steel", 206e9, 79.5e9, 7850.0)
-    >>> spring = vt.parameters.SpringDefinition(4e-3, 22e-3, 7e-3, 7.0, steel, vt.parameters.EndCoil("open"), vt.parameters.EndCoil("open"))
+    >>> spring = SpringDefinition("4 mm", "22 mm", "7 mm", total_coils=7, material="OTEVA 90 SC", ends="open")
     >>> round(spring.free_length * 1e3, 3)  # seven turns of 7 mm, and the wire
     53.0
     """
 
-    wire_diameter: Curve
-    mean_diameter: Curve
-    pitch: Curve
-    total_coils: float
-    material: Material
-    lower_end: EndCoil = EndCoil()
-    upper_end: EndCoil = EndCoil()
-    hand: Literal["right", "left"] = "right"
-    name: str = "spring"
-    stated_solid_height: float | None = None
+    wire_diameter: CurveField
+    mean_diameter: CurveField = Field(default=FOLLOWS)
+    pitch: CurveField = Field(default=FOLLOWS)
+    total_coils: TotalCoils = Field(kw_only=True)
+    material: MaterialField = Field(kw_only=True)
+    lower_end: EndField = Field(default=FOLLOWS)
+    upper_end: EndField = Field(default=FOLLOWS)
+    hand: Literal["right", "left"] = Field(default="right", description="sense of winding")
+    name: Name = Field(default=FOLLOWS)
+    stated_solid_height: PositiveLength | None = Field(
+        default=None,
+        alias="solid_height",
+        description="at coil bind, as a card states it; without it computed",
+    )
+    outer: InitVar[CurveField | None] = Field(default=None, alias="outer_diameter")
+    height: InitVar[HeightForm | None] = None
+    free: InitVar[PositiveLength | None] = Field(
+        default=None,
+        alias="free_length",
+        description="unloaded length, from which the pitch follows",
+    )
+    ends: InitVar[EndField | None] = Field(
+        default=None, description="kind of both ends; without it closed-ground"
+    )
 
-    def __post_init__(self) -> None:
-        for place in ("lower_end", "upper_end"):
-            if not isinstance(getattr(self, place), EndCoil):
-                raise InputError(
-                    f"{place} of spring '{self.name}' is no EndCoil; write EndCoil('closed-ground') or another kind"
-                )
-        for key in _LABELS:
-            if not isinstance(law := getattr(self, key), Curve):
-                object.__setattr__(
-                    self, key, Constant(si(law, key, f"{key} of spring '{self.name}'"))
-                )
-        check_spring(self)
-        if (solid := self.stated_solid_height) is not None and not 0 < solid < self.free_length:
-            raise InputError(
-                f"spring '{self.name}' is {self.free_length * 1e3:.4g} mm long, so it is not solid at {solid * 1e3:.4g} mm; check solid_height"
+    if TYPE_CHECKING:  # accepted types are wider than the stored ones
+
+        def __init__(
+            self, wire_diameter: Any, mean_diameter: Any = None, pitch: Any = None, **more: Any
+        ) -> None: ...
+
+    def __post_init__(self, outer: Any, height: Any, free: float | None, ends: Any) -> None:
+        turns = self.total_coils
+        wire = guarded(curve_of, self.wire_diameter, turns, path=("wire_diameter",))
+        key, form = given_once(mean_diameter=self.mean_diameter, outer_diameter=outer)
+        mean = guarded(curve_of, form, turns, path=(key,))
+        if key == "outer_diameter":
+            mean = add_curves(mean, wire, -1.0)
+        key, form = given_once(pitch=self.pitch, height=height, free_length=free)
+        if ends is not None and (self.lower_end is not None or self.upper_end is not None):
+            raise problem(
+                "'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other",
+                ("ends",),
             )
-        for end, tip in ((self.lower_end, 0.0), (self.upper_end, self.total_coils)):
-            if isinstance(self.pitch, Constant):
-                refuse_lost_tip(
-                    self.name,
-                    end.kind,
-                    end.ground_coils,
-                    self.pitch.level,
-                    float(self.wire_diameter.value(tip)),
-                )
+        both = (
+            self.lower_end or ends or "closed-ground", self.upper_end or ends or "closed-ground",
+        )  # fmt: skip
+        pitch, lower, upper = guarded(_wound, key, form, turns, wire, both, path=(key,))
+        values = {"wire_diameter": wire, "mean_diameter": mean, "pitch": pitch, "lower_end": lower}
+        for name, value in {**values, "upper_end": upper, "name": self.name or "spring"}.items():
+            object.__setattr__(self, name, value)
+        guarded(check_spring, self)
 
     def replace(self, **changes: Any) -> SpringDefinition:
         """A copy with the named fields changed."""

@@ -11,7 +11,6 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.schema_blocks import SpringSets
 from valvetrain.parameters.schema_contact import ContactParameters, ContactsField
 from valvetrain.parameters.schema_types import (
     Lash,
@@ -23,6 +22,7 @@ from valvetrain.parameters.schema_types import (
     quantities,
     table,
 )
+from valvetrain.parameters.spring_blocks import SpringSets
 from valvetrain.parameters.steel_contacts import with_steel
 from valvetrain.parameters.train_names import answer, choice_of
 from valvetrain.parameters.train_parts import (

@@ -69,7 +69,7 @@ def contact_patches(
     >>> made = spring_channels(
     ...     angle, angle, {"coil_line_force": force}, extra=FINE, point_coils={"coil_point": [2, 2.5, 3]}
     ... )
-    >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")
+    >>> wire = vt.parameters.SpringDefinition("4 mm", "24 mm", total_coils=6, free_length="44 mm", material="OTEVA 90 SC")
     >>> (patch,) = contact_patches(vt.Solution(made), wire)
     >>> patch.first_coil, patch.last_coil, round(np.degrees(patch.first_angle))
     (2.5, 3.0, 100)

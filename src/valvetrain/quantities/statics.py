@@ -8,7 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import OTEVA_90_SC, Material
 from valvetrain.parameters.solid import closing_forces
 from valvetrain.parameters.spring import SpringDefinition

@@ -262,7 +262,8 @@ def static_curve(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> curve = vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), "8 mm", models="multi-mass")
+    >>> wire = vt.parameters.SpringDefinition("3.8 mm", "22 mm", "7 mm", total_coils=7, material="OTEVA 90 SC")
+    >>> curve = vt.static_curve(wire, "8 mm", models="multi-mass")
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 313)
     """

@@ -145,7 +145,7 @@ def _shimmed(spring: InstalledSpring, shim: float) -> InstalledSpring:
     if card is None:
         return replace(spring, precompression=spring.precompression + shim)
     height = None if card.installed_height is None else card.installed_height - shim
-    changed = replace(card, preload=card.preload + card.rate * shim, installed_height=height)
+    changed = card.replace(preload=card.preload + card.rate * shim, installed_height=height)
     return replace(spring, card=changed)
 
 
@@ -155,7 +155,7 @@ def _scaled(spring: InstalledSpring, rate: float = 1.0, mass: float = 1.0) -> In
     """
     if card := spring.card:
         heavy = None if card.mass is None else mass * card.mass
-        return replace(spring, card=replace(card, rate=rate * card.rate, mass=heavy))
+        return replace(spring, card=card.replace(rate=rate * card.rate, mass=heavy))
     assert spring.wire is not None
     steel = spring.wire.material
     moduli = rate * steel.youngs_modulus, rate * steel.shear_modulus

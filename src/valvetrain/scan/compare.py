@@ -11,7 +11,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.runs.statics import static_study
 from valvetrain.scan.reconstruct import turned_over
 from valvetrain.scan.result import ScannedSpring

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from valvetrain.parameters.curves import Array, Constant, Curve, PiecewiseLinear
-from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.scan.fit import FittedSpring
 from valvetrain.scan.result import ScanCurves
 

@@ -9,11 +9,17 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.card_doubts import doubtful_turns
-from valvetrain.parameters.constructors import RAMP, TEXTBOOK_TURNS, pitch_with_closed_turns
-from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
+from valvetrain.parameters.curves import (
+    RAMP,
+    Constant,
+    Curve,
+    PiecewiseLinear,
+    pitch_with_closed_turns,
+)
 from valvetrain.parameters.material import Material, material_by_name
 from valvetrain.parameters.schema_types import Mass, Table, problem, quantity, table
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import TEXTBOOK_TURNS, EndCoil
 from valvetrain.units import Given, keep_si
 
 #: Wire of a card that names no material.
@@ -187,12 +193,12 @@ class Winding:
             Constant(wire),
             diameter,
             law(pitch),
-            self.total_coils,
-            card.wire,
-            end,
-            end,
+            total_coils=self.total_coils,
+            material=card.wire,
+            lower_end=end,
+            upper_end=end,
             name=card.name,
-            stated_solid_height=card.solid_height,
+            solid_height=card.solid_height,
         )
 
 

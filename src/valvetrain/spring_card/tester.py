@@ -13,10 +13,11 @@ from scipy.optimize import least_squares
 from valvetrain.errors import InputError
 from valvetrain.measured.force_curve import Array, Estimate
 from valvetrain.measured.force_height import ForceHeight
-from valvetrain.parameters.constructors import RAMP
-from valvetrain.parameters.curves import Constant, PiecewiseLinear
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.curves import RAMP, Constant, PiecewiseLinear
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.solution.display import Saveable
 from valvetrain.spring_card.card import (
     POSSIBLE_INACTIVE,
@@ -104,10 +105,10 @@ class PitchLaw:
             Constant(wire),
             self.card.mean_diameter(total),
             PiecewiseLinear(tuple(knots[keep]), tuple(pitch[keep])),
-            total,
-            self.card.wire,
-            end,
-            end,
+            total_coils=total,
+            material=self.card.wire,
+            lower_end=end,
+            upper_end=end,
             name=self.card.name,
         )
 

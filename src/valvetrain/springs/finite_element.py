@@ -19,7 +19,8 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.cosserat.turning import rotation_of
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
+from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.modes import ModalResult, SpringModes
@@ -47,7 +48,8 @@ class FiniteElementRod(RodModel):
     fields are those of :class:`RodModel`.
 
     >>> import valvetrain as vt
-    >>> rod = vt.springs.FiniteElementRod(vt.parameters.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"), 7e-3, elements_per_coil=12)
+    >>> wire = vt.parameters.SpringDefinition("4 mm", "24 mm", total_coils=8, free_length="52 mm", material="OTEVA 90 SC")
+    >>> rod = vt.springs.FiniteElementRod(wire, 7e-3, elements_per_coil=12)
     >>> round(rod.static_point("12 mm").force), round(float(rod.modes(4, attached_mass="50 g").axial_frequencies[0]))
     (370, 103)
     """

@@ -84,7 +84,7 @@ class ReducedRod:
     hold where the wire leans on them at rest; those that it meets in motion alone are not felt.
 
     >>> import valvetrain as vt
-    >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=5, free_length="40 mm")
+    >>> wire = vt.parameters.SpringDefinition("4 mm", "24 mm", total_coils=5, free_length="40 mm", material="OTEVA 90 SC")
     >>> spring = ReducedRod(vt.springs.FiniteElementRod(wire, "7 mm", elements_per_coil=12), 2e-3)
     >>> state = spring.initial_state(2e-3)
     >>> round(spring.force(state, 2e-3).retainer), round(spring.rod.static_point("9 mm").force)

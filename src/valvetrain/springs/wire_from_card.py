@@ -7,10 +7,11 @@ from __future__ import annotations
 import math
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.curves import Constant
-from valvetrain.parameters.installed_spring import SpringCard
 from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.parameters.winding import OPEN_END
 
 ACTIVE_COILS = 5.0
 CLEARANCE = 0.15

@@ -17,8 +17,8 @@ import numpy as np
 
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.toml_text import toml_text
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.runs.run_folders import LIST as RUNS_LIST
 from valvetrain.runs.run_folders import mark_unfinished
 from valvetrain.solution.atomic import append_whole, write_text

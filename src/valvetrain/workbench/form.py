@@ -11,19 +11,17 @@ from typing import Any, get_origin
 from pydantic.fields import FieldInfo
 
 from valvetrain import registry
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.curves import FormulaForm, HeightForm, KnotsForm
+from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.loading import parse_toml
 from valvetrain.parameters.overrides import split_notes
-from valvetrain.parameters.schema_blocks import is_card
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_contact import STEEL, ContactParameters, ContactTable
-from valvetrain.parameters.schema_curves import FormulaForm, HeightForm, KnotsForm
-from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, WireBlock
-from valvetrain.parameters.schema_pair import PairedCard
 from valvetrain.parameters.schema_types import StrictModel, Table
-from valvetrain.parameters.spring import EndCoil
+from valvetrain.parameters.spring_blocks import fields_of
 from valvetrain.parameters.spring_options import options_table
+from valvetrain.parameters.winding import EndCoil
 from valvetrain.springs.spec import spring_model
 from valvetrain.workbench.form_fields import Field, field_of, parts_of, words_of
 from valvetrain.workbench.starts import STARTS
@@ -38,7 +36,6 @@ VALUES = (EndCoil, FormulaForm, HeightForm, KnotsForm)
 NAMED: dict[Any, tuple[str, str, Model]] = {
     LiftModel: ("kind", "lifts", LiftModel),
     ContactParameters: ("law", "contacts", ContactTable),
-    CoilContactModel: ("law", "coil_contacts", CoilContactModel),
 }
 #: Spring models whose options a form shows even where the file gives none; the last is of a wire alone.
 SHOWN_OPTIONS = ("multi-mass", "finite-element", "reduced-rod")
@@ -92,32 +89,41 @@ class CaseForm:
         self.additions: list[Addition] = []
         self._tree, self._notes, _ = split_notes(parse_toml(text, "case"))
         self._files = tuple(files)
-        self._add("", "Case", CaseModel, self._tree)
+        self._add("", "Case", CaseModel.model_fields, self._tree)
 
     def _add(
-        self, key: str, title: str, model: Model, raw: Any, without: Sequence[str] = ()
+        self,
+        key: str,
+        title: str,
+        model: Mapping[str, FieldInfo],
+        raw: Any,
+        without: Sequence[str] = (),
     ) -> None:
-        """The group of one table, then those of the tables in it; ``without``: keys that do nothing here."""
+        """The group of one table with the fields of its ``model``, then those of the tables in it; ``without``: keys
+        that do nothing here.
+        """
         given: Mapping[str, Any] = raw if isinstance(raw, Mapping) else {}
         fields, tables = [], []
-        for name, info in model.model_fields.items():
+        for name, info in model.items():
             path = f"{key}.{name}".lstrip(".")
             if path in LEFT or name in without:
                 continue
-            if (kind := _table_in(info)) is None:
+            if (kind := _table_in(info)) is None and name != "options":
                 fields.append(self._field(path, info, given))
             else:
                 tables.append((path, info, kind))
         if fields:
-            is_second = key.endswith(".1") and issubclass(model, (WireBlock, CardBlock))
-            optional = is_second or key.rpartition(".")[2] in (*STARTS, "rubbing")
+            optional = (key.endswith(".1") and "damping" in model) or key.rpartition(".")[2] in (
+                *STARTS,
+                "rubbing",
+            )
             self.groups.append(Group(key, title, tuple(fields), raw is not None and optional))
         whose = "" if key in ("", "train") else f"{title}: "
         for path, info, kind in tables:
             name = path.rpartition(".")[2]
             value = given.get(name)
             if name == "options":
-                self._add_options(path, whose, issubclass(model, CardBlock), value or {})
+                self._add_options(path, whose, "preload" in model, value or {})
             elif isinstance(value, Mapping) and _is_mapping(info):
                 for word, entry in value.items():
                     heading = f"{name.removesuffix('s')} {words_of(word)}"
@@ -156,7 +162,7 @@ class CaseForm:
                 table = options_table(word)
                 title = f"{whose}{spring_model(word).label}"
                 useless = table.wire_only if by_card else table.card_only
-                self._add(f"{key}.{word}", title, table, given.get(word), useless)
+                self._add(f"{key}.{word}", title, table.model_fields, given.get(word), useless)
 
     def _offer(self, key: str, label: str, hint: str) -> None:
         self.additions.append(Addition(key, _capitalized(label), hint))
@@ -196,14 +202,17 @@ def _is_mapping(info: FieldInfo) -> bool:
     return any(get_origin(part) in (dict, Mapping) for part in parts_of(info.annotation))
 
 
-def _model_of(kind: Any, given: Mapping[str, Any]) -> Any:
-    """The table that reads what is ``given``, of a spring and a law by what it says."""
+def _model_of(kind: Any, given: Mapping[str, Any]) -> Mapping[str, FieldInfo]:
+    """The fields of the table that reads what is ``given``, of a spring and a law by what it says."""
     if kind is InstalledSpring:
-        return PairedCard if "loads_of" in given else CardBlock if is_card(given) else WireBlock
+        return fields_of(given)
+    if kind is CoilContact:
+        return CoilContact.fields_of(given)
     key, group, model = NAMED.get(kind, ("", "", kind))
     if group and given.get(key) in registry.names(group):
-        return getattr(registry.find(group, given[key]), "table", model)
-    return model
+        model = getattr(registry.find(group, given[key]), "table", model)
+    fields: Mapping[str, FieldInfo] = model.model_fields
+    return fields
 
 
 def _has_two_springs(given: Mapping[str, Any]) -> bool:

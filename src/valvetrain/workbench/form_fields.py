@@ -17,12 +17,12 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.curves import Constant
+from valvetrain.parameters.curves import Curve
 from valvetrain.parameters.material import MATERIALS, Material
 from valvetrain.parameters.schema_types import Quantity, Table
-from valvetrain.parameters.spring import EndCoil, EndKind
 from valvetrain.parameters.summary import number
 from valvetrain.parameters.toml_text import inline
+from valvetrain.parameters.winding import EndCoil, EndKind
 from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
 
 #: Last part of a key -> label, where the key's own words are not those of the field.
@@ -114,11 +114,11 @@ def field_of(key: str, info: FieldInfo, value: Any, source: str) -> Field:
     name, text = key.rpartition(".")[2], written(value)
     parts = [*parts_of(info.annotation), *info.metadata]
     mark = next((part for part in parts if isinstance(part, Quantity)), None)
-    dimension = "length" if Constant in parts else mark.dimension if mark is not None else None
+    dimension = "length" if Curve in parts else mark.dimension if mark is not None else None
     unit = DIMENSIONS[dimension].default_unit if dimension else ""
     amount = None
     is_row = any(get_origin(part) is tuple for part in parts)
-    if value is not None and not is_row and any(one in parts for one in (float, int, Constant)):
+    if value is not None and not is_row and any(one in parts for one in (float, int, Curve)):
         amount, unit = _number(value, dimension, unit)
     limits = _limits(parts, unit) if dimension or not unit else (None, None)
     kind, choices = _choices(key, parts)
@@ -191,7 +191,7 @@ def _rounded(value: float) -> float:
 
 def _limits(parts: Sequence[Any], unit: str) -> Limits:
     """Lowest and highest value in ``unit``."""
-    low: Any = 0.0 if Constant in parts else None
+    low: Any = 0.0 if Curve in parts else None
     high: Any = None
     for part in parts:
         if isinstance(part, Quantity):

@@ -34,7 +34,7 @@ class SolidModel:
     follows a train's motion one way.
 
     >>> import valvetrain as vt
-    >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")
+    >>> wire = vt.parameters.SpringDefinition("4 mm", "24 mm", total_coils=6, free_length="44 mm", material="OTEVA 90 SC")
     >>> round(SolidModel(wire, 3e-3, SolidMeshSize(12)).installed.retainer_force)
     140
     """
