@@ -234,35 +234,20 @@ def _round_step(least: float) -> float:
 
 
 def _usual(info: FieldInfo) -> str:
-    """What holds where a value is left out, in words."""
-    if info.is_required() or info.default_factory is not None or info.default in (None, ""):
+    """What holds where a value is left out, in words and in the unit in which it is usually given."""
+    value = info.default
+    if info.is_required() or info.default_factory is not None or value in (None, ""):
         return ""
-    if isinstance(info.default, (BaseModel, Table, Mapping, list)):
+    if isinstance(value, (BaseModel, Table, Mapping, list)):
         return ""
-    return shown_default(info).replace("`", "")
-
-
-def shown_default(field: FieldInfo) -> str:
-    """The default of a field in the unit in which it is usually given."""
-    value = field.default
-    if value is None or value == "":
-        return "not given"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f"`{value}`"
-    dimension = next(
-        (item.dimension for item in field.metadata if isinstance(item, Quantity)), None
-    )
-    if dimension is None:
-        return (
-            "-".join(map(str, value))
-            if isinstance(value, tuple)
-            else str(value)
-            if isinstance(value, int)
-            else number(value)
-        )
-    unit = DIMENSIONS[dimension].default_unit
+    if isinstance(value, (bool, str)):
+        return str(value).lower() if isinstance(value, bool) else value.replace("`", "")
+    mark = next((item for item in info.metadata if isinstance(item, Quantity)), None)
+    if mark is None:
+        if isinstance(value, tuple):
+            return "-".join(map(str, value))
+        return str(value) if isinstance(value, int) else number(value)
+    unit = DIMENSIONS[mark.dimension].default_unit if mark.dimension else ""
     scale = unit_factor(unit) if unit else 1.0
     values = value if isinstance(value, tuple) else (value,)
     return f"{', '.join(number(entry / scale) for entry in values)} {unit}".strip()

@@ -9,6 +9,7 @@ import os
 import threading
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -16,7 +17,6 @@ from types import MappingProxyType
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
-from valvetrain.workbench.live_messages import LiveRequest, LiveResult
 from valvetrain.workbench.supervisor import bound_memory
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -25,6 +25,32 @@ MAX_LIVE, ROD = 4, "finite-element"
 #: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the
 #: rod; memory of a worker (bytes).
 MAX_CURVE_TIME, MAX_ROD_TIME, MEMORY = 120.0, 300.0, 8e9
+
+
+@dataclass(frozen=True, slots=True)
+class LiveResult:
+    """One curve.
+
+    Parameters
+    ----------
+    angle_deg : cam angles (cam degrees)
+    force_N : spring force on the retainer, of all springs together (N)
+    seconds : time it took in the worker (s)
+    sentence : what went wrong, or is to be said of the curve; empty where there is nothing
+    quantities : words -> (value, unit shown) of a few numbers, such as the largest force
+    engine_speed : crank speed (rpm)
+    skipped : no curve was computed, for a newer one was requested meanwhile
+    model : name of the spring model
+    """
+
+    angle_deg: tuple[float, ...] = ()
+    force_N: tuple[float, ...] = ()
+    seconds: float = 0.0
+    sentence: str = ""
+    quantities: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    engine_speed: float = 0.0
+    skipped: bool = False
+    model: str = ""
 
 
 class LiveChain:
@@ -64,21 +90,21 @@ class LiveChain:
         last is computed, the others come back
         ``skipped``.
         """
-        return self._chain.ask(LiveRequest(dict(changes), engine_speed))
+        return self._chain.ask("answer", dict(changes), engine_speed)
 
     def rod(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
         """The curve by the geometrically exact rod, in seconds; :meth:`cancel` ends it, and so does
         a new call of :meth:`rod`.
         """
         self._rod.stop()
-        return self._rod.ask(LiveRequest(dict(changes), engine_speed))
+        return self._rod.ask("answer", dict(changes), engine_speed)
 
     def float_speed(self, changes: Mapping[str, str] = _NOTHING) -> LiveResult:
         """The float speed (rpm) of a train, in ``quantities``, by a search of few runs, in seconds;
         a sweep searches finer. :meth:`cancel` ends it, and so does a new call; a refusal is its ``sentence``.
         """
         self._search.interrupt()
-        return self._search.ask(LiveRequest(dict(changes), searches_float=True))
+        return self._search.ask("float_speed", dict(changes))
 
     def cancel(self) -> None:
         """End a rod and a search that run; their calls come back ``skipped``."""
@@ -118,8 +144,8 @@ class _Worker:
     _process: BaseProcess | None = None
     _pipe: Connection
 
-    def ask(self, request: LiveRequest) -> LiveResult:
-        """The answer of the process, or skipped where a newer question came while this one waited."""
+    def ask(self, method: str, *given: object) -> LiveResult:
+        """The answer of a method of the case in the process, or skipped where a newer question came while this one waited."""
         self._last = mine = self._last + 1
         with self._turn:
             if self._last != mine or self._closed:
@@ -127,7 +153,7 @@ class _Worker:
             process = self._begun()
             self._busy, label = True, "ended without an answer"
             try:
-                self._pipe.send(request)
+                self._pipe.send((method, given))
                 if self._pipe.poll(self._longest):
                     answer: LiveResult = self._pipe.recv()
                     return answer

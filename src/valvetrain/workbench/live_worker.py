@@ -12,8 +12,10 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import wraps
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +39,7 @@ from valvetrain.solution.status import reason
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
-from valvetrain.workbench.live_messages import LiveRequest, LiveResult
+from valvetrain.workbench.live import LiveResult
 
 #: The model of a spring alone: a curve in milliseconds.
 CHAIN = "multi-mass"
@@ -48,6 +50,23 @@ MAX_BUILT = 8
 #: the other until the valve floats, and its resolution (rad/s).
 FLOAT_SHARES, FLOAT_RESOLUTION = (0.6, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5), 20 * np.pi / 30
 RIGID = "rigid_contact_loss_engine_speed"
+
+
+def timed(compute: Callable[..., LiveResult]) -> Callable[..., LiveResult]:
+    """The same with its time; whatever goes wrong is a sentence, and the next curve is computed."""
+
+    @wraps(compute)
+    def answered(*given: Any) -> LiveResult:
+        begun = time.perf_counter()
+        try:
+            result = compute(*given)
+        except ValvetrainError as error:
+            result = LiveResult(sentence=str(error))
+        except Exception as error:
+            result = LiveResult(sentence=reason(error))
+        return replace(result, seconds=time.perf_counter() - begun)
+
+    return answered
 
 
 class LiveCase:
@@ -63,15 +82,14 @@ class LiveCase:
 
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
         self.case_text, self.folder, self.spring_model = case_text, folder, spring_model
+        self.stopped: Callable[[], bool] = lambda: False
         self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, PreparedRun, float]] = {}
 
+    @timed
     def answer(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
         """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
         case), or a sentence.
         """
-        return _timed(lambda: self._curve(changes, engine_speed))
-
-    def _curve(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
         problem, ready, rigid = self._ready(changes)
         if ready.refusal:
             raise InputError(ready.refusal)
@@ -111,22 +129,18 @@ class LiveCase:
             model=run.model,
         )
 
-    def float_speed(
-        self, changes: Mapping[str, str], stopped: Callable[[], bool] = lambda: False
-    ) -> LiveResult:
+    @timed
+    def float_speed(self, changes: Mapping[str, str]) -> LiveResult:
         """The float speed of a train with ``changes`` by a search of few runs, in ``quantities``;
-        ``skipped`` once ``stopped`` says so, a sentence where it is refused.
+        ``skipped`` once :attr:`stopped` says so, a sentence where it is refused.
         """
-        return _timed(lambda: self._float_speed(changes, stopped))
-
-    def _float_speed(self, changes: Mapping[str, str], stopped: Callable[[], bool]) -> LiveResult:
         problem, ready, rigid = self._ready(changes)
         if ready.refusal or ready.motion is None:
             raise InputError(ready.refusal or "a spring alone has no float speed")
         top = rigid if np.isfinite(rigid) else max(problem.engine_speeds, default=1000.0)
         speeds = [share * top for share in FLOAT_SHARES]
         options = CriticalOptions(resolution=FLOAT_RESOLUTION, ranges=False)
-        found = first_loss("float", problem, ready, speeds, options, stopped)
+        found = first_loss("float", problem, ready, speeds, options, self.stopped)
         if found is None:
             return LiveResult(skipped=True)
         if not found or not np.isfinite(found):
@@ -158,18 +172,6 @@ class LiveCase:
         return self._built[key]
 
 
-def _timed(compute: Callable[[], LiveResult]) -> LiveResult:
-    """What ``compute`` gives, with its time; whatever goes wrong is a sentence, and the next curve is computed."""
-    begun = time.perf_counter()
-    try:
-        result = compute()
-    except ValvetrainError as error:
-        result = LiveResult(sentence=str(error))
-    except Exception as error:
-        result = LiveResult(sentence=reason(error))
-    return replace(result, seconds=time.perf_counter() - begun)
-
-
 def train_numbers(ready: PreparedRun, run: Solution, rigid: float) -> dict[str, tuple[float, str]]:
     """What decides whether a train keeps control at the speed of a run: least cam force while the
     valve is open, least margin of the spring and float speed of ``rigid`` parts, by their labels.
@@ -194,18 +196,14 @@ def serve(pipe: Connection, case: LiveCase, warm: bool) -> None:
     is computed; ``warm``: a first curve is computed before.
     """
     threading.Thread(target=_end_with_server, daemon=True).start()
+    case.stopped = pipe.poll
     if warm:
         case.answer({}, "")
     with suppress(EOFError):
         while True:
-            request: LiveRequest | None = pipe.recv()
-            if request is None:
-                continue  # its search has ended by itself
-            if request.searches_float:
-                answer = case.float_speed(request.changes, pipe.poll)
-            else:
-                answer = case.answer(request.changes, request.engine_speed)
-            pipe.send(answer)
+            if (request := pipe.recv()) is not None:  # else its search has ended by itself
+                method, given = request
+                pipe.send(getattr(case, method)(*given))
 
 
 def _end_with_server() -> None:

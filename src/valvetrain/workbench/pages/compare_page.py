@@ -38,17 +38,13 @@ def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:
     """Two different runs to compare, those requested where they are; the other one is the newest
     of the same case, where there is one.
     """
-    given = a or b
-    case = next((run.case for run in runs if run.run_id == given), "")
-    others = [run for run in runs if run.run_id != given]
-    other = next((run for run in others if run.case == case), others[0]).run_id
     if a and b and a != b:
         return a, b
-    if given:
-        return (given, other) if a else (other, given)
-    newest = runs[0].run_id
-    same = next((run for run in runs[1:] if run.case == runs[0].case), runs[1])
-    return same.run_id, newest
+    first = a or b or runs[0].run_id
+    case = next((run.case for run in runs if run.run_id == first), "")
+    others = [run for run in runs if run.run_id != first]
+    other = min(others, key=lambda run: run.case != case).run_id
+    return (first, other) if a else (other, first)
 
 
 def _choice(name: str, chosen: str, runs: Sequence[Run]) -> None:
