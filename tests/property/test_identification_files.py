@@ -206,16 +206,3 @@ def test_the_examples_read(name: str) -> None:
     request = Identify.read({"file": ROOT / "examples" / name}).plan
     assert request.unknowns and all(one.prior.source or one.prior.flat for one in request.unknowns)
     assert json.dumps(request.title)
-
-
-def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
-    for path, words in (
-        (tmp_path, "is a folder"),
-        (tmp_path / "no.toml", "there is no file"),
-        (tmp_path / "a\0b", "bad path"),
-    ):
-        with pytest.raises(InputError, match=words):
-            assert Identify.read({"file": path}).plan
-    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="no text file"):
-        assert Identify.read({"file": tmp_path / "bytes.toml"}).plan

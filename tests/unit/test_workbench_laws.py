@@ -14,7 +14,6 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.registry import names as registered_names
-from valvetrain.workbench.edits import with_law
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING
 
@@ -101,9 +100,3 @@ def test_however_a_law_is_written_another_kind_keeps_what_it_knows(workspace, te
     workspace.undo(case)
     workspace.undo(case)
     assert workspace.text(case) == text
-
-
-def test_a_kind_of_law_that_is_none_is_refused():
-    for kind in ("nonsense", "", "__init__"):
-        with pytest.raises(InputError, match="unknown"):
-            with_law(SMALL, kind)

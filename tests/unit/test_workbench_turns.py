@@ -53,9 +53,6 @@ def table(workspace):
     return workspace.upload("small.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()})
 
 
-# -- two visitors
-
-
 def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
     """A value that names a file is read while another tab removes that file: one of the two is
     refused, and the case reads.
@@ -95,12 +92,6 @@ def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
         and refused.count(None) == 1
     )
     assert len(saved_tests.saved_tests(run)) == MAX_TESTS
-
-
-# -- tables that were read
-
-
-# -- a full disk
 
 
 def full(*_, **__):

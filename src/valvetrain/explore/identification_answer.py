@@ -18,7 +18,7 @@ from valvetrain.explore.identification_rules import (
     off_text,
     plain_name,
 )
-from valvetrain.explore.identified import Identified, Predicted, si_unit
+from valvetrain.explore.identified import Branch, Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
 from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
 from valvetrain.explore.space import Array
@@ -112,28 +112,27 @@ class IdentificationAnswer(ExploreAnswer):
         result = self.result
         heads = ("unknown", "start", "identified", "95 % interval", "prior", "source", "learned from data, %")  # fmt: skip
         unknowns: list[tuple[str, ...]] = []
-        for number, branch in enumerate(result.branches if len(result.branches) > 1 else ()):
-            unknowns += [
-                (
-                    f"solution {number + 1}: probability {branch.share:.2f}, misfit {branch.misfit:.3g}",
+        for number, branch in enumerate(result.branches, 1):
+            if len(result.branches) > 1:
+                words = (
+                    f"solution {number}: probability {branch.share:.2f}, misfit {branch.misfit:.3g}"
                 )
-            ]
-            unknowns += self._unknowns(number)
+                unknowns.append((words,))
+            unknowns += self._unknowns(branch)
         measured = ("measured", "value", "scatter", "start", "identified", "95 % interval", "scatters off", "percentile", "use")  # fmt: skip
         further = tuple(
             (plain_name(one.key), *_numbers(one.unit, one)) for one in result.predictions
         )
         return {
-            "unknowns": TextTable("Unknowns", heads, tuple(unknowns or self._unknowns(0))),
+            "unknowns": TextTable("Unknowns", heads, tuple(unknowns)),
             "data": TextTable("Measured and computed", measured, tuple(map(self._datum, result.predicted))),
             "predictions": TextTable("Computed, not measured", ("quantity", "identified", "95 % interval"), further),
             "findings": findings(self),
         }  # fmt: skip
 
-    def _unknowns(self, branch: int) -> Iterator[tuple[str, ...]]:
-        known = self.result.branches[branch]
-        for one, told in zip(self.result.unknowns, known.information.determined, strict=True):
-            interval, prior = known.quantities[one.name], one.prior
+    def _unknowns(self, branch: Branch) -> Iterator[tuple[str, ...]]:
+        for one, told in zip(self.result.unknowns, branch.information.determined, strict=True):
+            interval, prior = branch.quantities[one.name], one.prior
             yield (
                 plain_name(one.name), value_text(one.unit, self.result.start.get(one.name, np.nan)), *_numbers(one.unit, interval),
                 f"{value_text(one.unit, *prior.at([0.005, 0.995]).tolist())}, {prior.kind}", prior.source, f"{100 * told:.0f}",

@@ -4,7 +4,7 @@ one's own.
 
 from __future__ import annotations
 
-import time
+import timeit
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -217,13 +217,12 @@ def possible_point(computation: Computation, posterior: Posterior, seed: int) ->
     lacking = ""
     for work in np.vstack([posterior.centre, posterior.from_shares(shares)])[:, None, :]:
         (numbers,) = posterior.outcomes(work)
-        if numbers is None:
-            continue
-        given = tuple(key for key, value in numbers.items() if np.isfinite(value))
+        given = tuple(key for key, value in (numbers or {}).items() if np.isfinite(value))
         missing = next((one.key for one in posterior.used if one.key not in given), None)
         if missing is None:
             return np.asarray(posterior.values(work)[0])
-        lacking = lacking or f"no point gives '{missing[:80]}'; {nearest(missing, given)}"
+        if numbers is not None and not lacking:
+            lacking = f"no point gives '{missing[:80]}'; {nearest(missing, given)}"
     if lacking:
         raise InputError(lacking, "measurements")
     outcomes = (computation.evaluate(posterior.middle.tolist(), task) for task in computation.tasks)
@@ -237,10 +236,11 @@ def possible_point(computation: Computation, posterior: Posterior, seed: int) ->
 
 def _seconds(computation: Computation, values: Array) -> float:
     """Shortest time (s) of a point."""
-    times = []
-    for _ in range(ROUNDS):
-        begun = time.perf_counter()
-        for task in computation.tasks:
-            computation.evaluate(values.tolist(), task)
-        times.append(time.perf_counter() - begun)
-    return min(times)
+    at = values.tolist()
+    return min(
+        timeit.repeat(
+            lambda: [computation.evaluate(at, task) for task in computation.tasks],
+            number=1,
+            repeat=ROUNDS,
+        )
+    )
