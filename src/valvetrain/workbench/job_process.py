@@ -85,6 +85,7 @@ def settle(workspace: Workspace, job_id: str) -> Outcome:
     return Outcome("interrupted", f"{SERVER_ENDED}{left}", run_id)
 
 
+@dataclass(eq=False)
 class JobProcess:
     """The process of one job.
 
@@ -95,19 +96,16 @@ class JobProcess:
     limits : longest time (s) and largest memory (bytes)
     """
 
-    def __init__(
-        self, workspace: Workspace, job_id: str, request: JobRequest, workers: int, limits: Limits
-    ) -> None:
-        self.workspace, self.job_id, self.request, self.workers, self.limits = (
-            workspace,
-            job_id,
-            request,
-            workers,
-            limits,
-        )
-        self._process: subprocess.Popen[bytes] | None = None
-        self._requested_end = ""
-        self._share, self._text, self._begun = 0.0, "starting", 0.0
+    workspace: Workspace
+    job_id: str
+    request: JobRequest
+    workers: int
+    limits: Limits
+    _process: subprocess.Popen[bytes] | None = None
+    _requested_end: str = ""
+    _share: float = 0.0
+    _text: str = "starting"
+    _begun: float = 0.0
 
     @property
     def progress(self) -> tuple[float, str, float | None]:

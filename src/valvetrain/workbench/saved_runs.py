@@ -192,31 +192,25 @@ def _card(root: Path, folder: Path, path: Path, changed: int) -> Run:
     """What a list shows of a run, of a damaged one why it is (without a time); cached until its
     answer is written again, so that a long list is not read again and again.
     """
+    run_id = folder.relative_to(root).as_posix()
     try:
-        if answer := _answer(path, changed):
-            return _run(root, folder, answer)
-        reason = "this is not what a run writes; repeat the run"
+        answer = _answer(path, changed)
+        reason = "" if answer else "this is not what a run writes; repeat the run"
     except InputError as error:
         reason = error.reason
-    about = folder.relative_to(root)
-    run_id, case = clipped(about.as_posix(), 200), clipped(about.parent.name, 200)
-    return Run(run_id, folder, case, "", "", False, verdict=f"damaged: {reason}")
-
-
-def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
+    if reason:
+        case = clipped(folder.parent.name, 200)
+        shown_id = clipped(run_id, 200)
+        return Run(shown_id, folder, case, "", "", False, verdict=f"damaged: {reason}")
     saved = SavedRun(folder, answer)
     verdict = str(saved.verdict.get("text", ""))
-    created_at = clipped(saved.created_at, 40)
-    if not created_at:  # a study says no time
-        with suppress(OSError):
-            changed = int((folder / STUDY_ANSWER).stat().st_mtime)
-            created_at = datetime.fromtimestamp(changed, UTC).isoformat()
+    written = datetime.fromtimestamp(changed // 10**9, UTC).isoformat()  # a study says no time
     return Run(
-        folder.relative_to(root).as_posix(),
+        run_id,
         folder,
         clipped(saved.case, 200),
         clipped(saved.command, 40),
-        created_at,
+        clipped(saved.created_at, 40) or written,
         bool(answer.get("completed", True)),
         tuple(clipped(one, 1000) for one in saved.failures),
         clipped(str(answer.get("title", "")), 200),

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
 
 from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
@@ -25,7 +24,6 @@ from valvetrain.workbench.saved_runs import Run, keep_test, saved_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 from valvetrain.workbench.store import writing
 
-_Made = TypeVar("_Made")
 #: Comparisons with a test that are cached, each with the bytes of its test.
 MAX_OVERLAYS = 5
 
@@ -96,27 +94,43 @@ def register(app: FastAPI, desk: Desk) -> None:
         return _part(lambda: _shown(desk.workspace.run(f"{case}/{stamp}"), name))
 
     @app.post("/upload/test")
-    async def upload_test(request: Request, run: str, name: str) -> dict[str, str]:
+    async def upload_test(request: Request, run: str, name: str) -> Response:
         content = await request.body()
-        return {"test": await _taken(lambda: _laid(desk.workspace.run(run), name, content))}
+        return await _answered(lambda: {"test": _laid(desk.workspace.run(run), name, content)})
 
     @app.post("/upload/file")
-    async def upload_file(request: Request, case: str, name: str) -> dict[str, str]:
+    async def upload_file(request: Request, case: str, name: str) -> Response:
         content = await request.body()
-        await _taken(lambda: desk.workspace.attach(case, name, content))
-        return {"file": name}
+        return await _answered(lambda: {"file": _attached(desk, case, name, content)})
 
     @app.post("/upload/case")
-    async def upload_case(request: Request) -> dict[str, str]:
+    async def upload_case(request: Request) -> Response:
+        try:
+            with writing("what was sent", "upload"):
+                name, content, sides = await _sent_case(request)
+        except ValvetrainError as error:
+            return _refused(error)
+        return await _answered(
+            lambda: {"open": f"/case/{desk.workspace.upload(name, content, sides)}"}
+        )
+
+
+def _attached(desk: Desk, case: str, name: str, content: bytes) -> str:
+    desk.workspace.attach(case, name, content)
+    return name
+
+
+async def _answered(take: Callable[[], dict[str, str]]) -> Response:
+    """What was taken in, or the sentence why it was not; it is read in a thread."""
+    try:
         with writing("what was sent", "upload"):
-            sent = await _sent_case(request)
-        return {"open": f"/case/{await _taken(lambda: desk.workspace.upload(*sent))}"}
+            return JSONResponse(await asyncio.to_thread(_made, take))
+    except ValvetrainError as error:
+        return _refused(error)
 
 
-async def _taken(take: Callable[[], _Made]) -> _Made:
-    """What ``take`` gives of what was sent; it is read in a thread."""
-    with writing("what was sent", "upload"):
-        return await asyncio.to_thread(_made, take)
+def _refused(error: ValvetrainError) -> Response:
+    return JSONResponse({"refusal": str(error)})
 
 
 def _missing(_: Request, error: Exception) -> Response:
@@ -155,7 +169,7 @@ def _part(make: Callable[[], Part]) -> Response:
     return JSONResponse(_made(make), headers={"Cache-Control": "no-store"})
 
 
-def _made(make: Callable[[], _Made]) -> _Made:
+def _made(make: Callable[[], dict[str, str]]) -> dict[str, str]:
     """What ``make`` gives; a fault in it becomes an :class:`InputError`."""
     try:
         return make()

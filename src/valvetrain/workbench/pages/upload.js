@@ -14,8 +14,8 @@ export default {
       try {
         const answer = await fetch(this.url + (this.many ? "" : (this.url.includes("?") ? "&" : "?") + "name=" + encodeURIComponent(files[0].name)),
           { method: "POST", body: this.many ? this.together(files) : files[0] });
-        const said = answer.ok ? await answer.json() : {};
-        if (!answer.ok) { this.sentence = await answer.text(); } else if (said.open) { window.location.assign(said.open); } else { this.$emit("done", said); }
+        const said = answer.headers.get("content-type")?.includes("json") ? await answer.json() : { refusal: await answer.text() };
+        if (said.refusal) { this.sentence = said.refusal; } else if (said.open) { window.location.assign(said.open); } else { this.$emit("done", said); }
       } catch (error) {
         this.sentence = "The file did not arrive; is the workbench still running?";
       }
