@@ -41,7 +41,7 @@ KNOWN = {
     "springs/own_kernels.py:plain_entry.entry": "a force that is no number: the run diverges",
     "workbench/jobs.py:Jobs._manage": "no job is started until the fault is gone, with one line in the log",
     "workbench/jobs.py:Jobs._follow": "the job is failed, with the reason",
-    "workbench/live_worker.py:_timed": "a sentence in place of the curve, or of the speed",
+    "workbench/live_worker.py:timed.answered": "a sentence in place of the curve, or of the speed",
 }
 
 

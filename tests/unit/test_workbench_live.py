@@ -22,7 +22,8 @@ from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.workbench import live, live_worker
-from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_result import LiveResult
 from valvetrain.workbench.live_worker import LiveCase
 from valvetrain.workbench.pages.orders import models_for
 from workbench_parts import SMALL, lives, wait_for

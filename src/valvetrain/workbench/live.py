@@ -9,7 +9,6 @@ import os
 import threading
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -17,6 +16,7 @@ from types import MappingProxyType
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
+from valvetrain.workbench.live_result import LiveResult
 from valvetrain.workbench.supervisor import bound_memory
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -25,32 +25,6 @@ MAX_LIVE, ROD = 4, "finite-element"
 #: Longest wait (s) for a curve of the chain, the first one compiling included, and for one of the
 #: rod; memory of a worker (bytes).
 MAX_CURVE_TIME, MAX_ROD_TIME, MEMORY = 120.0, 300.0, 8e9
-
-
-@dataclass(frozen=True, slots=True)
-class LiveResult:
-    """One curve.
-
-    Parameters
-    ----------
-    angle_deg : cam angles (cam degrees)
-    force_N : spring force on the retainer, of all springs together (N)
-    seconds : time it took in the worker (s)
-    sentence : what went wrong, or is to be said of the curve; empty where there is nothing
-    quantities : words -> (value, unit shown) of a few numbers, such as the largest force
-    engine_speed : crank speed (rpm)
-    skipped : no curve was computed, for a newer one was requested meanwhile
-    model : name of the spring model
-    """
-
-    angle_deg: tuple[float, ...] = ()
-    force_N: tuple[float, ...] = ()
-    seconds: float = 0.0
-    sentence: str = ""
-    quantities: Mapping[str, tuple[float, str]] = field(default_factory=dict)
-    engine_speed: float = 0.0
-    skipped: bool = False
-    model: str = ""
 
 
 class LiveChain:

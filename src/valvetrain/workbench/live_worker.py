@@ -39,7 +39,7 @@ from valvetrain.solution.status import reason
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
-from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.live_result import LiveResult
 
 #: The model of a spring alone: a curve in milliseconds.
 CHAIN = "multi-mass"

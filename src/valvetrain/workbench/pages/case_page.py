@@ -18,7 +18,8 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
-from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_result import LiveResult
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_result import LiveResult
 from valvetrain.workbench.pages.forms import ENGINE_SPEED
 from valvetrain.workbench.pages.html import sentence_of
 from valvetrain.workbench.settings import ServeSettings

@@ -12,7 +12,7 @@ import numpy as np
 from valvetrain.parameters.summary import number
 from valvetrain.views.page import figure_content
 from valvetrain.views.style import ANGLE, LEAD, OTHER, SECOND, panels, styled
-from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.live_result import LiveResult
 
 #: A line of a figure of plotly as plain values.
 Trace = dict[str, Any]
