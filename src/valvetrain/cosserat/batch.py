@@ -90,8 +90,9 @@ def simulate_batch(
     --------
     >>> import numpy as np
     >>> import valvetrain as vt
-    >>> wire = vt.parameters.SpringDefinition("3.8 mm", "22 mm", "7 mm", total_coils=4, material="OTEVA 90 SC")
-    >>> rods = [vt.springs.FiniteElementRod(one, "2 mm", 12) for one in (wire, wire.replace(wire_diameter="3.9 mm"))]
+    >>> same = {"mean_diameter": "22 mm", "pitch": "7 mm", "total_coils": 4, "material": "OTEVA 90 SC"}
+    >>> wires = [vt.parameters.SpringDefinition(wire, **same) for wire in ("3.8 mm", "3.9 mm")]
+    >>> rods = [vt.springs.FiniteElementRod(wire, "2 mm", 12) for wire in wires]
     >>> meshes, starts = [rod.mesh for rod in rods], [rod.installed.state for rod in rods]
     >>> batch = vt.cosserat.simulate_batch(meshes, starts, lambda time: np.full_like(time, 2e-3), "20 us", 5, rods[0].dynamics)
     >>> batch.seat_force.shape, batch.completed.tolist()

@@ -46,7 +46,7 @@ class SpringCard(Table):
     ``doubt``: why the turns that give the rate are hardly those of one spring.
 
     >>> card = SpringCard(preload="250 N", open_load="600 N", open_height="30 mm", installed_height="40 mm")
-    >>> round(card.rate), card.open_lift
+    >>> round(card.rate), round(card.open_lift, 6)
     (35000, 0.01)
     """
 
