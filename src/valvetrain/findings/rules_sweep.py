@@ -45,8 +45,9 @@ def why(facts: Facts, loss: Loss) -> Said:
     low, high = span.lower_engine_speed, span.upper_engine_speed
     within = [run for run in runs if low <= run.engine_speed <= high]
     if row.kind == "bounce":
-        fields = next((fields for run in within if (fields := landing(facts, run))), {})
-        return Phrase("it lands at {velocity}[ on {part}]", fields) if fields else ""
+        lands = ((landing(facts, run), speed_text(run.engine_speed)) for run in within)
+        fields = next((fields | {"there": at} for fields, at in lands if fields), {})
+        return Phrase("it lands at {velocity}[ on {part}] at {there}", fields) if fields else ""
     return next((cause(run, lost) for run in within if (lost := facts.losses(run))), "")
 
 
@@ -182,6 +183,7 @@ def lost_over_speed(kind: str) -> Condition:
             size, run = max(pairs, key=lambda pair: pair[0].value, default=("", None))
             yield Hit(Amount(SPEED, loss.begin), None, None, {
                 "does": does(loss.row), "cause": why(facts, loss), "size": size, "angle": _angle(facts, loss, run),
+                "there": "" if run is None else speed_text(run.engine_speed),
                 "ranges": joined([_from(one, loss.row) for one in loss.ranges[:3]]),
             })  # fmt: skip
 
@@ -381,8 +383,8 @@ def largest(facts: Facts, names: Sequence[str], factor: float = 1.0) -> dict[str
 
 
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
-RANGE = "[{range} rpm by {over}]"
-WHY = "[{cause}][, at {angle}][, up to {size}]"
+RANGE = "[range {range} rpm by {over}]"
+WHY = "[{cause}][, at {angle}][, up to {size} at {there}]"
 #: Rules on what is lost over speed: code -> kind of critical speed.
 LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
