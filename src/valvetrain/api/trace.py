@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from valvetrain.explore.posterior import Datum
     from valvetrain.explore.space import Prior
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Samples of a trace that are compared, evenly over the cycle; more say nothing new.
 MAX_SAMPLES = 180

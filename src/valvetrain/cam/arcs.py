@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import TURN, Array, LiftSpec, check_derivative
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import TURN, LiftSpec, check_derivative
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, PositiveLength, guarded, problem

@@ -9,7 +9,8 @@ from collections import OrderedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import Array, LiftLaw
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftLaw
 
 #: Number of cached answers, and the fewest angles of one that is worth caching.
 MAX_ANSWERS, MIN_ANGLES = 24, 64

@@ -14,7 +14,8 @@ from typing import Annotated, Any, ClassVar, Literal
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError, UnusualValueWarning

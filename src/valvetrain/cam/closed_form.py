@@ -10,14 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import (
-    HIGHEST_DERIVATIVE,
-    TURN,
-    Array,
-    LiftSpec,
-    after,
-    check_derivative,
-)
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import HIGHEST_DERIVATIVE, TURN, LiftSpec, after, check_derivative
 from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked, polynomial_value, rise_factors
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import Exponents, LiftModel

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftLawParameters, LiftModel
 
-Array = NDArray[np.float64]
 TURN = 2 * math.pi
 #: Highest derivative of a lift law: the jerk.
 HIGHEST_DERIVATIVE = 3

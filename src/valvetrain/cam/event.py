@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.cam.contract import Array, LiftLaw
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
 from valvetrain.measured.stations import turned

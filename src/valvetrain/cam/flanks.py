@@ -13,7 +13,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array, after, check_derivative
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import TURN, after, check_derivative
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel

@@ -12,7 +12,8 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.event import lobe_of_file
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError

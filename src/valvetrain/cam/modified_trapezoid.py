@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.flanks import FlankEvents, FlankModel, flanked
 
 #: Ends of the pieces of the first half of a flank.

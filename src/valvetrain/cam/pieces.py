@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.cam.contract import TURN, Array, LiftLaw, after, check_derivative
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import TURN, LiftLaw, after, check_derivative
 from valvetrain.errors import InputError
 
 

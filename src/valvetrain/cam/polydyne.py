@@ -11,14 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import (
-    HIGHEST_DERIVATIVE,
-    TURN,
-    Array,
-    LiftSpec,
-    after,
-    check_derivative,
-)
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import HIGHEST_DERIVATIVE, TURN, LiftSpec, after, check_derivative
 from valvetrain.cam.flanks import polynomial_value, rise_factors
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.cam.ramped import RampBlend, ramp_states

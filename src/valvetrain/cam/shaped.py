@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import TURN, Array, LiftSpec
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import TURN, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
 from valvetrain.cam.ramped import ramp_states
 from valvetrain.errors import InputError

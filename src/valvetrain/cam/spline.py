@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.cam.contract import TURN, Array, LiftSpec
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import TURN, LiftSpec
 from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps, lobe_of_file
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError

@@ -10,15 +10,15 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numba
 import numpy as np
 from numba import cfunc
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.coil_contact import kernels
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import CoilContact
 from valvetrain.parameters.schema_types import StrictModel
 
-Array = NDArray[np.float64]
 CoilKernel = Callable[[Array, float, float], tuple[float, float, float, float]]
 """``kernel(parameters, damping_time, overlap) -> (force, tangent, energy, damping)`` of a contact of
 unit stiffness at an overlap > 0 (m): times the stiffness (N/m) of a contact they are its elastic

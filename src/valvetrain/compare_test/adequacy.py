@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import chdtri, fdtrc, fdtri, stdtr, stdtrit
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.summary import number
 
-Array = NDArray[np.float64]
 #: Degrees of freedom from which on more make no difference beyond some 1e-8.
 MANY = 1e8
 #: Share of adequate models that a test may refute.

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import stdtrit
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 #: Largest shift that is looked for (rad of cam).
 MAX_SHIFT = math.pi / 4
 #: Points per step of the angle at which the correlation is first looked up, fewer where these would

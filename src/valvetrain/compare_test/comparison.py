@@ -11,11 +11,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.compare_test.adequacy import (
     LEVEL,
     MIN_REPEATS,
     AdequacyTest,
-    Array,
     DifferenceBand,
     adequacy_test,
     difference_band,

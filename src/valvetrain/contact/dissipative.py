@@ -8,11 +8,11 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.contact import kernels
 from valvetrain.contact.elastic import DampedPower
 from valvetrain.contact.law import (
     SLOWEST_IMPACT,
-    Array,
     ContactSpec,
     require_exponent,
     require_not_negative,

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.contact import kernels
 from valvetrain.contact.law import (
     SLOWEST_IMPACT,
-    Array,
     ContactSpec,
     overlap,
     require_not_negative,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.contact.law import Array, require_not_negative, require_positive
+from valvetrain.arrays import Array
+from valvetrain.contact.law import require_not_negative, require_positive
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.contact.kernels import OWN_LAW
-from valvetrain.contact.law import SLOWEST_IMPACT, Array, ContactLaw, ContactSpec, LawKernel
+from valvetrain.contact.law import SLOWEST_IMPACT, ContactLaw, ContactSpec, LawKernel
 from valvetrain.errors import InputError
 from valvetrain.parameters.own_parts import compiled_number
 from valvetrain.parameters.schema_contact import ContactTable

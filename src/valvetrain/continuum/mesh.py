@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.continuum.section import SectionMesh, disc_section, ground_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 

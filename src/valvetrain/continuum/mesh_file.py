@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.continuum.mesh import SolidMesh
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.solution.atomic import atomic_path
@@ -22,7 +22,7 @@ MESHIO_HINT = "export of solid meshes needs the package meshio, which is not ins
 def write_mesh(
     mesh: SolidMesh,
     path: str | os.PathLike[str],
-    point_data: Mapping[str, NDArray[np.float64]] | None = None,
+    point_data: Mapping[str, Array] | None = None,
 ) -> Path:
     """Write ``mesh`` (m) with its coil number and ``point_data`` (one row per node); the file
     ending chooses the format.

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-
-Array = NDArray[np.float64]
 
 #: Radius of the core's corners as a share of the wire radius, and how far its sides bulge (0
 #: square, 1 circle).

@@ -8,13 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.continuum import brick_kernels as kern
 from valvetrain.continuum.mesh import NODE_COORDINATES, shape_gradients
 from valvetrain.continuum.wire import SolidWire
-
-Array = NDArray[np.float64]
 
 
 class SectionLoads(NamedTuple):

@@ -11,15 +11,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import contact_response, law_address, law_numbers
 from valvetrain.continuum import contact_kernels
 from valvetrain.continuum.wire import ContactPoints, SolidWire
 from valvetrain.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: Largest residual (N), Newton steps, and largest and smallest increment of travel (m).
 TOLERANCE, ITERATIONS, MAX_INCREMENT, MIN_INCREMENT = 1e-6, 30, 2e-3, 1e-5

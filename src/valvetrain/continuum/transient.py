@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import law_address, law_numbers
 from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.continuum import brick_kernels, time_kernels
 from valvetrain.continuum.statics import SolidEquilibrium, SolidStatics
-
-Array = NDArray[np.float64]
 
 #: Target spacing (s) of the record of the end forces (250 kHz).
 DENSE_INTERVAL = 4e-6

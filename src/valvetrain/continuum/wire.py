@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw
 from valvetrain.continuum import contact_kernels
 from valvetrain.continuum.bricks import Bricks, sweep_bricks
@@ -18,7 +19,6 @@ from valvetrain.cosserat.contact_line import span_weights, true_distance
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Places of the contact points in the span of a station, and pairs of coils per turn of contact that

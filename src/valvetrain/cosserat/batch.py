@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.lanes import LANES, integrate_lanes
 from valvetrain.cosserat.layout import PAD, ROWS, STRIDE, empty_buffer
@@ -20,8 +21,6 @@ from valvetrain.cosserat.time_stepping import GUIDED, LOWER_END, STRETCHES, UPPE
 from valvetrain.cosserat.transient import dense_records, simulate
 from valvetrain.errors import InputError
 from valvetrain.units import Given, si
-
-Array = NDArray[np.float64]
 
 _ROW_STARTS = np.array([PAD + number * STRIDE for number in range(ROWS)], dtype=np.uint64)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import diags
 from scipy.sparse.linalg import ArpackError, eigsh
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw, law_address, law_numbers
 from valvetrain.cosserat import end_coils
 from valvetrain.cosserat import quaternion as quat
@@ -19,8 +20,6 @@ from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

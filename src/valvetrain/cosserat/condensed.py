@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.buffer import inertia_of
 from valvetrain.cosserat.contact_line import no_contact
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

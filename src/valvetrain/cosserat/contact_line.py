@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
 
 #: Contact points per element. Patches of coil on coil are 1-2 mm long: one point per element makes
 #: job C drift ten times more.

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.contact_line import span_weights
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import CoilContactLaw, contact_response
 from valvetrain.cosserat.mesh import RodMesh
 
-Array = NDArray[np.float64]
 #: Stiffness of a seat (N/m per m of wire) where coils pass through each other.
 SEAT_STIFFNESS = 2e10
 

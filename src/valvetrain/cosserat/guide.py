@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
 
 #: Radius (m) of a wall that is not there, on either side.
 NO_BORE, NO_ROD = 1e6, -1e6

@@ -12,7 +12,8 @@ of two (cache sets). Vertex rows hold vertex i at j = i; edge rows hold edge e, 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from valvetrain.arrays import Array
 
 #: Row stride of the buffer in entries: 1536 vertices and a pad for shifted reads at either end.
 STRIDE = 1576
@@ -49,7 +50,7 @@ GROUP = np.uint64(ROW["D0b"] - ROW["D0"])
 SIZE = ROWS * STRIDE
 
 
-def row(buffer: NDArray[np.float64], name: str, count: int) -> NDArray[np.float64]:
+def row(buffer: Array, name: str, count: int) -> Array:
     """View of the first ``count`` entries of a row."""
     start = int(ROW[name])
     return buffer[start : start + count]
@@ -60,7 +61,7 @@ def row(buffer: NDArray[np.float64], name: str, count: int) -> NDArray[np.float6
 LARGE_PAGE, LARGE_ALLOCATION = 2**21, 2**23
 
 
-def empty_buffer() -> NDArray[np.float64]:
+def empty_buffer() -> Array:
     """A buffer of zeros at the start of a large memory page where the system gives one.
 
     The rows are on about 300 small pages, more than the processor caches addresses of: eight rods

@@ -15,16 +15,14 @@ from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.contact_line import ContactLine, no_contact, pair_coils
 from valvetrain.cosserat.guide import GuideWalls
 from valvetrain.cosserat.section import Section, round_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-
-Array = NDArray[np.float64]
 
 #: Most vertices the compiled kernels can hold (the row stride of their state buffer).
 MAXIMUM_VERTICES = 1536

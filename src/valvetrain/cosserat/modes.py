@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from scipy.sparse import bmat, csc_matrix, diags
 from scipy.sparse.linalg import eigsh
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.buffer import inertia_of
 from valvetrain.cosserat.rates import axial_rate, end_coupling
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: Axial share of the kinetic energy of a motion that is the same in all three directions.
 EVEN_SHARE = 1 / 3

@@ -5,9 +5,8 @@ d2, d3.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
 
 
 def from_directors(first: Array, second: Array, third: Array) -> Array:

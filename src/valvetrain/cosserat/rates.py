@@ -5,14 +5,12 @@ moment on it.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics, sparse_of
-
-Array = NDArray[np.float64]
 
 
 def turning_field(statics: RodStatics, state: RodState) -> Array:

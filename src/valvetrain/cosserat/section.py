@@ -7,11 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.material import Material
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

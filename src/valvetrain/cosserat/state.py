@@ -6,13 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from valvetrain.arrays import Array
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

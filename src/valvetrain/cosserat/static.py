@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 from scipy.sparse import coo_matrix, csc_matrix, dia_matrix
 from scipy.sparse.linalg import splu
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import (
     LINEAR,
     CoilContactLaw,
@@ -24,9 +24,6 @@ from valvetrain.cosserat import energy_kernels as kern
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState, advance, free_state
-
-Array = NDArray[np.float64]
-
 
 #: Increments that must hold in a row before one is doubled after a failure, and failures after
 #: which a target is given up.

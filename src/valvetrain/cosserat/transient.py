@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.time_stepping import STRETCHES, integrate_in_time
 from valvetrain.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
 DENSE_INTERVAL = 4e-6

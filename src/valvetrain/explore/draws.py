@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
-from valvetrain.explore.space import Array
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError, UnusualValueWarning
@@ -250,7 +250,7 @@ def bars_of(point: Point) -> tuple[Uncertainty, ...]:
 def doubts(
     case: Case | None,
     varied: Sequence[Varied],
-    draws: NDArray[np.float64] | Sequence[Sequence[float]],
+    draws: Array | Sequence[Sequence[float]],
 ) -> dict[int, str]:
     """Those of the first :data:`MAX_POINTS` ``draws`` (n, d; SI) that have doubtful values which the case itself has not:
     place -> its first warning. A function has none.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from valvetrain.arrays import Array
 from valvetrain.explore.identification_rules import (
     RULES,
     IdentificationFacts,
@@ -21,7 +22,6 @@ from valvetrain.explore.identification_rules import (
 from valvetrain.explore.identified import Branch, Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
 from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
-from valvetrain.explore.space import Array
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import joined
 from valvetrain.solution.atomic import write_text

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import even_places
 from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
-from valvetrain.explore.space import Array, Varied
+from valvetrain.explore.space import Varied
 from valvetrain.parameters.changes import nearest
 from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.display import Reported, verdict_first

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.engine import Computation, Engine, Place
@@ -23,7 +24,7 @@ from valvetrain.explore.observe import IMPOSSIBLE, Observed
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.posterior import Datum, Evaluate, Numbers, Posterior, Unknown
 from valvetrain.explore.solve import solve
-from valvetrain.explore.space import Array, Prior
+from valvetrain.explore.space import Prior
 from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest

@@ -14,9 +14,9 @@ import numpy as np
 from scipy import optimize
 from scipy.special import chdtrc
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.posterior import Numbers, Posterior
-from valvetrain.explore.space import Array
 
 #: Step of a difference in standard deviations of the prior where nothing is known yet, and of what
 #: the data leave once it is.

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.files import FileText
@@ -31,7 +32,7 @@ from valvetrain.explore.outputs import (
     refuse_sets,
     share_of_case,
 )
-from valvetrain.explore.space import ENGINE_SPEED, Array, Prior, Space, Values, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Prior, Space, Values, Varied
 from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring

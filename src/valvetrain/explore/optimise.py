@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
@@ -23,7 +24,6 @@ from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum import Confirmed, Optimum
 from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
-from valvetrain.explore.space import Array
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
 from valvetrain.runs.workers import Progress, workers_here

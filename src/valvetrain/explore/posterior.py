@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 from scipy.special import ndtr
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.space import Array, Prior
+from valvetrain.explore.space import Prior
 
 
 @dataclass(frozen=True, slots=True)

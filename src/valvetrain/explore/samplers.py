@@ -10,16 +10,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import Space, Values, Varied
 from valvetrain.parameters.schema_types import StrictModel, first_problem
 from valvetrain.registry import find
 
-Array = NDArray[np.float64]
 #: Most points of a study.
 MAX_POINTS = 1_000_000
 #: Points drawn, a power of two for the balance of Sobol's sequence, and levels of a grid by default.

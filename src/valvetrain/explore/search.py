@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import MissingExtraError
 from valvetrain.explore.limit_speed import BELOW
 from valvetrain.explore.measure import Constraint, Measured, Objective
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.samplers import latin_hypercube
-from valvetrain.explore.space import Array
 
 HINT = "a search needs the library optuna, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Designs of the first round or rounds, drawn evenly before the search learns; and for each varied

@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.explore.draws import (
     Draws,
     branches_of_draws,
@@ -40,7 +41,6 @@ from valvetrain.explore.least_squares import (
     least_squares,
 )
 from valvetrain.explore.posterior import Evaluate, Posterior
-from valvetrain.explore.space import Array
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress

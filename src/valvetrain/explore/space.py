@@ -13,15 +13,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.summary import number, unit_text
 from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
 from valvetrain.units.reader import reader_factor, reader_unit
 
-Array = NDArray[np.float64]
 Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
 KINDS: tuple[str, ...] = get_args(Kind)
 #: A tolerance is this many standard deviations by default, as shops draw their limits.

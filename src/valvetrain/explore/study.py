@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.explore.engine import Engine, Evaluation, Interrupted
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
@@ -26,7 +27,7 @@ from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.outputs import Outcome, Outputs, Task
 from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_outputs
 from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
-from valvetrain.explore.space import ENGINE_SPEED, Array, Space, Values
+from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, request_cost

@@ -11,6 +11,7 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.explore.results import (
     MAX_ROWS,
     ExploreAnswer,
@@ -34,7 +35,6 @@ from valvetrain.views.table import Line, TextTable
 ROWS, COLUMNS, LISTED = 12, 5, 300
 #: Dots of a cloud, lines of a figure, points of a list and letters of a name.
 DOTS, LINES, POINTS, LETTERS = 1500, 6, 40, 42
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

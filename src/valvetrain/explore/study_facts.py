@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal, setting
 from valvetrain.explore.outputs import Run
@@ -19,7 +20,6 @@ from valvetrain.findings.words import RPM, Amount, Phrase, Said
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.solution.definition import definition_of
 
-Array = NDArray[np.float64]
 #: Outputs by which springs are judged before all others, for by them they break.
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "open_nominal_shear_stress")
 #: What follows from the dimensions of a spring, its installing and the lift alone begins so.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import doubts
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from valvetrain.explore.samplers import Sensitivity
     from valvetrain.solution.uncertainty import Uncertainty
 
-Array = NDArray[np.float64]
 #: Rows of a study that get error bars.
 MAX_BARRED = 4
 

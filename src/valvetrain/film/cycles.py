@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Points between frames at which a peak is looked for, and the longest gap (frames) across which a
 #: motion is drawn.

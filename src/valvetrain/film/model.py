@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from valvetrain.cam.contract import Array, build_lift_law
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import TURN, Lift, is_closed, mean_of, segments
 from valvetrain.film.result import CoilMotion

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import (
     SPOKEN_OF,
     TURN,
-    Array,
     CamPhase,
     CoilPeak,
     Lift,

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-
-Array = NDArray[np.float64]
-
 
 #: A highlight exceeds its surroundings by this share of the picture's contrast; a number of coils is believed
 #: that this share of frames shows.

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.film.frames import MAX_FRAMES, SLOWEST_RATE, Film
 from valvetrain.film.setup import Point
 
-Array = NDArray[np.float64]
 #: Width (px) of a line where none is given, and frames that are looked at to find a line.
 DEFAULT_WIDTH, LOOKED_AT = 5.0, 120
 #: Shorter lines hold no spring.

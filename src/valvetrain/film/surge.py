@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 #: Lines that are looked for at most, and frames of a dwell that are enough for a result.
 MAX_LINES, FEWEST = 4, 12
 #: Another line must lower the misfit (per number) by more than this share of what the numbers it

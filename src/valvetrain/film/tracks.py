@@ -7,17 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.film.profile import (
-    FINE,
-    Array,
-    Profiles,
-    find_coils,
-    fit,
-    grounds_of,
-    light_of,
-    ordered,
-)
+from valvetrain.film.profile import FINE, Profiles, find_coils, fit, grounds_of, light_of, ordered
 from valvetrain.film.space_time import SpaceTime
 
 #: Standard deviation of a prediction in parts of the coils' spacing.

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.findings.control import Control, control_of
 from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.rigid import OPEN_SHARE
@@ -40,7 +41,6 @@ BOUNCE = 100e-6
 #: Ranges of engine speed that a sentence names.
 SPANS = 3
 TURN = 2 * math.pi
-Array = NDArray[np.float64]
 #: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
 AHEAD, SHUT = 0.02, 0.003
 

@@ -46,7 +46,7 @@ def why(facts: Facts, loss: Loss) -> Said:
     within = [run for run in runs if low <= run.engine_speed <= high]
     if row.kind == "bounce":
         lands = ((landing(facts, run), speed_text(run.engine_speed)) for run in within)
-        fields = next((fields | {"there": at} for fields, at in lands if fields), {})
+        fields: Fields = next(({**told, "there": at} for told, at in lands if told), {})
         return Phrase("it lands at {velocity}[ on {part}] at {there}", fields) if fields else ""
     return next((cause(run, lost) for run in within if (lost := facts.losses(run))), "")
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.findings.words import Amount
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.static import Array, SpringAtRest, StaticCurve
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
 
 #: Names of the largest lift: of a spring alone, and of a train.

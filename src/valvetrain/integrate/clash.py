@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.integrate.clash_kernels import hardest_impact
 from valvetrain.solution.status import Cause, Detail, Event
 from valvetrain.springs.contract import ContactWatch
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring
 #: is compressed, not an impact of surge.

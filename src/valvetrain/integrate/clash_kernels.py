@@ -5,11 +5,8 @@ each is evaluated 17 times.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.compiled import njit
-
-Array = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)

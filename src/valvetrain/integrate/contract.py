@@ -7,9 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainRunner, TrainState
 from valvetrain.solution.provenance import Provenance
@@ -18,8 +16,6 @@ from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.nested import carried_state
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
-
-Array = NDArray[np.float64]
 
 #: Longest run-up that is taken for meant.
 MAX_TURNS = 10_000

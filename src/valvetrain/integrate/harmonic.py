@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.contract import RunOptions, RunUp, Until
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.provenance import Provenance
@@ -54,9 +54,7 @@ class Harmonic:
         finer = -(-len(solved.cam_angle) // samples)
         fine = angle[:, None] + TURN / samples / finer * np.arange(finer)
 
-        def at(
-            values: NDArray[np.float64], angle: NDArray[np.float64] = angle
-        ) -> NDArray[np.float64]:
+        def at(values: Array, angle: Array = angle) -> Array:
             return np.asarray(np.interp(angle % TURN, around, np.append(values, values[0])))
 
         values = {

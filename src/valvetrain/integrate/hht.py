@@ -14,8 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.integrate.chain_forces import ChainForces, Resistance
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
@@ -37,7 +37,6 @@ from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
-Array = NDArray[np.float64]
 #: Share of the largest term by which a step's balance may be missed, rounds of Newton's method, and
 #: rounds after which steps are halved.
 BALANCE, ROUNDS, HALVED = 1e-12, 60, 12

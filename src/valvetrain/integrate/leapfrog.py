@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import STEP_FRACTION, Cycles, Periodic, RunOptions, RunUp, Until
@@ -27,7 +27,6 @@ from valvetrain.springs.contract import (
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Samples per cam revolution, revolutions until a periodic motion is given up, and the change of the
 #: end forces per turn, over their span, at which it counts as periodic.

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 ComplexArray = NDArray[np.complex128]
 CycleMap = Callable[[Array], Array]
 #: Cycles from which the largest multipliers are read, and size of a disturbance in scaled states.

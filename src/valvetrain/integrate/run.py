@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, Until
 from valvetrain.registry import find
@@ -21,9 +21,6 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 if TYPE_CHECKING:
     from valvetrain.integrate.contract import Orbit
-
-
-Array = NDArray[np.float64]
 
 
 def run(

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.compiled import program_digest
 from valvetrain.contact.kernels import OWN_LAW
@@ -29,7 +28,6 @@ from valvetrain.system.contract import System
 from valvetrain.system.driven import DrivenSprings, RecordedMotion
 from valvetrain.system.prescribed import PrescribedSpring
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Statistic and quantity: root mean square (N) of the force on the retainer less that of the springs
 #: that the train ran with.

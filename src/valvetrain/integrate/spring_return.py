@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.compiled import njit
 from valvetrain.integrate.spring_slot import OPTIONS, SPRING_FUNCTION, compiled_once
 from valvetrain.integrate.train_run import TrainRunner, TrainState
 from valvetrain.springs.contract import SpringModel
 
-Array = NDArray[np.float64]
 #: Disturbance of a scaled state from which a linear step is read.
 DISTURBANCE = 1e-6
 #: Largest number of positions and velocities of a spring whose powers are taken: beyond, they cost more cycles than

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from valvetrain.arrays import Array
 
 PROBE_CYCLES = 4
 """Plain cycles that test whether an orbit found by acceleration attracts."""
@@ -26,7 +27,6 @@ BEYOND = 2.0
 widths of that range.
 """
 
-Array = NDArray[np.float64]
 CycleMap = Callable[[Array], Array]
 
 

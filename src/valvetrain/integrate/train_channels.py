@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.contract import RunOptions
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
 from valvetrain.integrate.train_tuples import (
@@ -29,8 +29,6 @@ from valvetrain.solution.channels import SPRING_CHANNELS, ChannelArrays, Variabl
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs, outputs_at
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
-
-Array = NDArray[np.float64]
 
 
 def load_name(interaction: Interaction) -> str:

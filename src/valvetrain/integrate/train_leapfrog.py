@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
@@ -26,7 +25,6 @@ from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 #: Samples per cam revolution; fewer of springs whose inner state is large.
 SAMPLES, LARGE_SAMPLES = 1440, 720
 #: Maximum of cam revolutions of the search for the periodic state; the finite-element rod's state (frames among

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
@@ -39,7 +40,6 @@ from valvetrain.system.train_forces import highest_frequency, springs_time_step
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 LARGE_SPRING = 2000
 """Unknowns beyond which a record stores positions only."""

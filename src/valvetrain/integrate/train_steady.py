@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.contract import Orbit
 from valvetrain.integrate.multipliers import ComplexArray, multipliers
 from valvetrain.integrate.spring_return import rigid_motion, spring_basis, spring_return
@@ -25,8 +25,6 @@ from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, 
 from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
 from valvetrain.parameters.summary import share_text
 from valvetrain.solution.status import COMPLETED, Status
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-5
 """Largest change per cycle, relative to the lift (positions) and to lift times cam speed

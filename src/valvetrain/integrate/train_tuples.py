@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 Integers = NDArray[np.int64]
 
 TRANSITIONS = 512

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.clash import runs
 from valvetrain.integrate.train_tuples import (
     ANGLE,
@@ -19,7 +20,6 @@ from valvetrain.integrate.train_tuples import (
 )
 from valvetrain.solution.status import Event
 
-Array = NDArray[np.float64]
 #: Share of the largest rigid lift above which a stretch is an event of the lift law.
 LAW_SHARE = 0.01
 #: Statistic that is 1 where the log holds every opening and closing of a cycle.

@@ -10,10 +10,11 @@ from itertools import cycle
 import numpy as np
 import plotly.graph_objects as go
 
+from valvetrain.arrays import Array
 from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.words import Amount, Words, speed_text
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import OFF, Array, LobeResult, figure_text, lift_figures
+from valvetrain.lift.figures import OFF, LobeResult, figure_text, lift_figures
 from valvetrain.lift.rules import RULES, LiftFacts
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, SmoothedLift, smooth_lift

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.findings.words import Amount
 from valvetrain.measured.cam_events import EVENTS, side_of
@@ -19,7 +20,6 @@ from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
 from valvetrain.units.reader import shown_system
 
-Array = NDArray[np.float64]
 #: Lifts (m) at which durations are reported: 1 mm of makers' books and 0.050 in of cam cards, which gives the lobe
 #: centre and comes first in imperial units.
 CARD = 0.050 * 25.4e-3

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.lift.figures import Array, LobeResult
+from valvetrain.arrays import Array
+from valvetrain.lift.figures import LobeResult
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import parse_case

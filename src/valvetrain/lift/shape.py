@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.lift.figures import Array, LiftFigure, LobeResult, figure_of, overshoot
+from valvetrain.lift.figures import LiftFigure, LobeResult, figure_of, overshoot
 from valvetrain.lift.files import write_columns
 from valvetrain.measured.contours import TURN, Follower, contour_of_lift, curvature_of_contour
 from valvetrain.measured.lift_smoothing import BAND

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.units import parse_quantity
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: Points to which a contour is filled up, and stations of its lift and curvature.
 POINTS, STATIONS = 7200, 720

@@ -13,9 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
-from valvetrain.measured.tables import Array, comments_in, read_content, read_text_table, text_of
+from valvetrain.measured.tables import comments_in, read_content, read_text_table, text_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.display import Shown
 from valvetrain.units import DIMENSIONS, dimension_of, parse_quantity, unit_factor

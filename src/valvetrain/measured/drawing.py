@@ -9,13 +9,12 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_formats import LiftColumns, LiftFormat
 from valvetrain.measured.workbooks import EXTRA
 
-Array = NDArray[np.float64]
 #: Even polar angles at which the radius of an outline is read.
 STATIONS = 3600
 #: More parts than this are no drawing of one cam.

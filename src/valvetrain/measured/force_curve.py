@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2, t
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 #: Slope of the table over its typical slope from which the coils are taken to be bound.
 BOUND = 5.0
 #: The same for the last interval alone, over the largest slope before it.

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.door import Doubt, refuse_beyond
-from valvetrain.measured.force_curve import Array, Estimate, ForceCurve, force_curve
+from valvetrain.measured.force_curve import Estimate, ForceCurve, force_curve
 from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_content, read_text_table, text_of
 from valvetrain.units import dimension_of, unit_factor
 

@@ -13,8 +13,9 @@ from typing import Literal
 import numpy as np
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.contours import Array, Follower, lift_of_contour
+from valvetrain.measured.contours import Follower, lift_of_contour
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns, LiftFormat
 from valvetrain.measured.stations import Dust, base_of, dust_of, events_of, turned

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import UNIT_NAMES, Array, TextTable, read_text_table, text_of
+from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_text_table, text_of
 from valvetrain.measured.workbooks import MARKS, MAX_COLUMNS, MAX_ROWS, sheets_of
 
 #: What a column may be.

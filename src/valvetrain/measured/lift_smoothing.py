@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.stations import Array, events_of, last_digit
+from valvetrain.measured.stations import events_of, last_digit
 from valvetrain.solution.display import Shown
 from valvetrain.units import si_array
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy import signal
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_types import Table, problem, quantity, table
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 GaugeFrequency = Annotated[float, quantity("frequency", low=0.0, high=1e15, open_low=True)]
 #: Steps in the shortest period of the gauge, steps of a trace at most.

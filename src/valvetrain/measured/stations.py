@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 TURN = 2 * np.pi
 #: Share of the largest lift above which an event stands out, and angle (rad) above which it is no dust.
 EVENT_SHARE, EVENT_ANGLE = 0.04, np.radians(8)

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.units import unit_factor
 
-Array = NDArray[np.float64]
 #: A number as tables write it, once its line is parted at every mark that may be between or
 #: within numbers; a comma may be decimal or part thousands.
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")

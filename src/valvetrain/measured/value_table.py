@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import stated_speed
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.tables import (
-    Array,
     comments_in,
     name_and_unit,
     number_of,

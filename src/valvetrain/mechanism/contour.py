@@ -15,9 +15,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 
-Array = NDArray[np.float64]
 NODES = 1440
 """Nodes per cam revolution of every table (a quarter of a cam degree); quintic interpolation between
 them.

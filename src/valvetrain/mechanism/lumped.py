@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.mechanism.contour import lift_table
 from valvetrain.mechanism.gap_kinds import CAM_KINDS, CAM_LIFT, DISTANCE, LINEAR, POINT_PLANE
 from valvetrain.mechanism.gaps import penetration_and_gradient
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.mechanism.rigid import RigidKinematics
-
-Array = NDArray[np.float64]
 
 
 def closed_gradients(mechanism: AssembledMechanism) -> Array:

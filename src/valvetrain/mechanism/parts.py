@@ -10,14 +10,13 @@ from functools import cached_property
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.contact import kernels
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import CAM_KINDS, GEOMETRY_COLUMNS, LINEAR
 
-Array = NDArray[np.float64]
 CONTACT, LINK, SPRING = "contact", "link", "spring"
 """Roles of an interaction: a contact pushes only, a link is a stiff part that rigid theory takes for
 rigid, a spring is a soft part that acts on rigid bodies by its force.

@@ -8,8 +8,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.contact.law import ContactLaw
 from valvetrain.mechanism.contour import (
     NODES,
@@ -23,8 +24,6 @@ from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINE
 from valvetrain.mechanism.parts import LINK, Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.parameters.train_parts import CrankParameters, FollowerParameters
-
-Array = NDArray[np.float64]
 
 
 def unit(direction: float) -> tuple[float, float]:

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import PlainValidator, ValidationInfo
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_types import (
     Lengths,
@@ -29,9 +30,6 @@ from valvetrain.units import Given, si, si_each
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
-
-
-Array = NDArray[np.float64]
 
 
 @runtime_checkable

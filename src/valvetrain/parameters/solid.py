@@ -9,7 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from valvetrain.parameters.curves import Array, Curve
+from valvetrain.arrays import Array
+from valvetrain.parameters.curves import Curve
 from valvetrain.parameters.material import Material
 
 #: Pieces a turn of the splines, and places a turn at which coils may touch.

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import (
-    Array,
     Constant,
     Curve,
     CurveField,

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.clash import RECORDED, ClashRule, PairSeries, find_clashes, runs
-from valvetrain.quantities.cycle import Array, Cycle, is_closed
+from valvetrain.quantities.cycle import Cycle, is_closed
 from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.signal import (
     Index,

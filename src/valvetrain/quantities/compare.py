@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
 from valvetrain.solution.uncertainty import Comparison, SampleRange
@@ -23,7 +23,7 @@ def compare(
     quantities: Mapping[Quantity, float],
     counterparts: Mapping[str, str] | None,
     counted: Sequence[str] = (),
-    by_phase: Mapping[Quantity, NDArray[np.float64]] = {},
+    by_phase: Mapping[Quantity, Array] = {},
 ) -> tuple[Comparison, ...]:
     """One row per published value, in their order.
 

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.mechanism.gaps import table_value
-from valvetrain.system.rigid_pose import Array, RigidPoses, soft_forces
+from valvetrain.system.rigid_pose import RigidPoses, soft_forces
 from valvetrain.system.train_forces import gap_states
 from valvetrain.system.train_system import TrainSystem
 

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.line_contact import line_contact
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.solution.result import Array, Solution
+from valvetrain.solution.result import Solution
 
 #: What the wire touches -> channel of the force per length there.
 LINE_FORCES = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.kinematics import RigidTable
@@ -15,8 +16,6 @@ from valvetrain.solution.cycle_view import angle_within, last_revolution
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.quantities.clash import (
     END_KINDS,
     clash_events,
@@ -155,7 +155,7 @@ def _with_rigid(solution: Solution, frame: Frame) -> Solution:
     rigid = frame.rigid
     assert rigid is not None
 
-    def at_samples(column: str) -> NDArray[np.float64]:
+    def at_samples(column: str) -> Array:
         return np.interp(solution.cam_angle, rigid.cam_angle, rigid[column], period=2 * np.pi)
 
     added = {

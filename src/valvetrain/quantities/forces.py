@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.signal import extreme_series, fine_series
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.force_peak import Array, ForcePeak, bandwidth_of, force_peak
+from valvetrain.solution.force_peak import ForcePeak, bandwidth_of, force_peak
 from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> its part of a quantity's name.

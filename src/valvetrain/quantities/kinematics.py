@@ -10,7 +10,8 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from valvetrain.mechanism.contour import Array, curvature_radius_flat, curvature_radius_round
+from valvetrain.arrays import Array
+from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
 from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_ROUND
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.parameters.train import TrainParameters

@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import is_closed
-from valvetrain.solution.force_peak import FILTER_ORDER, Array
+from valvetrain.solution.force_peak import FILTER_ORDER
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -14,7 +15,7 @@ from valvetrain.parameters.material import OTEVA_90_SC, Material
 from valvetrain.parameters.solid import closing_forces
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.static import Array, SpringAtRest, StaticCurve, named
+from valvetrain.solution.static import SpringAtRest, StaticCurve, named
 from valvetrain.springs.stress import bergstraesser
 from valvetrain.units import Given, si
 

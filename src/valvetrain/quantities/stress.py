@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import PERMITTED_SHEAR, tensile_strength
-from valvetrain.quantities.cycle import Array, Cycle, Frame
+from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.forces import largest_lift
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.solution.channels import Variable

@@ -11,8 +11,9 @@ from types import MappingProxyType
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.sensor import Array, Sensor
+from valvetrain.measured.sensor import Sensor
 from valvetrain.quantities.cycle import is_closed, reported_cycle
 from valvetrain.quantities.forces import END_FORCES, fine_of_cycle
 from valvetrain.solution.result import Solution

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash import Array, runs
+from valvetrain.arrays import Array
+from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED, openings_by_law
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.kinematics import RigidTable

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.train_channels import Array, load_name, peak_forces
+from valvetrain.arrays import Array
+from valvetrain.integrate.train_channels import load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics

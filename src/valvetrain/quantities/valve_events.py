@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from valvetrain.cam.contract import Array, LiftLaw
+from valvetrain.arrays import Array
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.pieces import solve
 from valvetrain.measured.cam_events import against_dead_centre
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics

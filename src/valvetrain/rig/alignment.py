@@ -8,13 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import curve_fit
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.rig.shaft import REVOLUTION
 
-Array = NDArray[np.float64]
 Lift = Callable[[Array], Array]
 #: Cam angle (rad) to either side by which a lift rises or falls; sizes of the offsets (rad), gain and base (m).
 SLOPE_STEP, STEPS = 1e-4, (1e-2, 1e-2, 1.0, 1e-3)

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
 from valvetrain.measured.cycles import write_cycles
@@ -109,7 +109,6 @@ def deviation(channel: RigChannelCycles) -> np.ndarray[Any, np.dtype[np.float64]
     return np.std(values, axis=0, ddof=1) if len(values) > 1 else np.zeros(values.shape[1])
 
 
-Array = NDArray[np.float64]
 #: Cut marks that are drawn, at most.
 MARKS = 40
 

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
-from valvetrain.measured.tables import UNIT_NAMES, Array
+from valvetrain.measured.tables import UNIT_NAMES
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.rig.request import RigAnswers
 from valvetrain.solution.definition import BY_LAST_WORD

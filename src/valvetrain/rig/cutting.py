@@ -8,13 +8,12 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.shaft import REVOLUTION, ShaftAngle
 
-Array = NDArray[np.float64]
 #: Attenuation (dB) beyond the stop band, and the window's parameter for it (Kaiser's formula).
 ATTENUATION = 80.0
 _BETA = 0.1102 * (ATTENUATION - 8.7)

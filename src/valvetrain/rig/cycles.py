@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.rig.alignment import Array, Lift, align_lift
+from valvetrain.rig.alignment import Lift, align_lift
 from valvetrain.rig.channels import (
     DWELL,
     RigQuantity,

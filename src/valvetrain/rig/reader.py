@@ -10,15 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import NDArray
-
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import file_head
 from valvetrain.solution.read_apart import tried_apart
 
-Array = NDArray[np.float64]
 #: Seconds of the processor that reading one file may take, at least.
 MAX_SECONDS = 60
 #: Larger files are not opened.

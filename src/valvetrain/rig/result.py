@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtrit
 
+from valvetrain.arrays import Array
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.rig.alignment import Array, LiftAlignment
+from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid
 from valvetrain.rig.shaft import ShaftAngle

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, PchipInterpolator, make_smoothing_spline
 from scipy.ndimage import median_filter
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.rig.channels import ChosenChannels
-from valvetrain.rig.reader import Array, RigChannel
+from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.request import RigAnswers
 
 Numbers = NDArray[np.int64]

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
@@ -106,7 +106,7 @@ def largest_lift(problem: Problem) -> float:
     return max(lifts) if lifts else law_lift(problem)
 
 
-def spring_lift(problem: Problem) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def spring_lift(problem: Problem) -> Callable[[Array], Array]:
     """Lift (m) of the springs over the cam angle: of the first rigid train, or of the law that drives a spring."""
     gears = (member.gear for member in problem.members)
     moved = (gear.mechanism.kinematics.valve_lift for gear in gears if gear is not None)

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -50,7 +50,6 @@ from valvetrain.springs.stress import nominal_stress_per_force, wire_stress
 from valvetrain.system.build import build, default_model
 from valvetrain.system.problem import Problem
 
-Array = NDArray[np.float64]
 #: Default models of a wire, of a card with a mass and of one without.
 WIRE = "finite-element"
 #: Steps of a static curve, and of one computed along with modes; modes about the installed state.

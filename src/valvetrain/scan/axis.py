@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 
-Array = NDArray[np.float64]
 #: Half planes per turn; those that choose the radius of the wire, and the radii they try as shares
 #: of the coil radius.
 WEDGES, CHOOSING, RADII = 64, 8, np.geomspace(0.035, 0.36, 32)

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import Array, read_content, read_text_table, text_of
+from valvetrain.measured.tables import read_content, read_text_table, text_of
 from valvetrain.parameters.bounded_file import file_head
 
 #: Most columns and lines of a table of points.

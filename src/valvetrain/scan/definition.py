@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.parameters.curves import Array, Constant, Curve, PiecewiseLinear
+from valvetrain.arrays import Array
+from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.winding import EndCoil
 from valvetrain.scan.fit import FittedSpring
 from valvetrain.scan.result import ScanCurves

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.scan.axis import MIN_TURNS, Array, Frame, find_axis, find_sections, follow
+from valvetrain.scan.axis import MIN_TURNS, Frame, find_axis, find_sections, follow
 from valvetrain.scan.tube import OnWire, Tube, fit_tube, place, start_tube
 
 #: Turns beyond the sections in which a tip is looked for, and turns of a bin there.

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.material import Material, material_by_name
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.definition import curves_of, define, round_wire, upside_down
 from valvetrain.scan.fit import FittedSpring, fit_spring, seen_around, unseen_sector
-from valvetrain.scan.result import Array, Coverage, ScannedSpring, WireSection
+from valvetrain.scan.result import Coverage, ScannedSpring, WireSection
 from valvetrain.scan.tube import TUKEY
 from valvetrain.units import dimension_of, unit_factor
 

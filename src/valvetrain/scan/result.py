@@ -6,14 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from valvetrain.arrays import Array
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.fit import FittedSpring
 from valvetrain.solution.display import Reported
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -33,9 +34,9 @@ class Size(NamedTuple):
     """
 
     label: str
-    values: NDArray[np.float64]
-    spread: NDArray[np.float64]
-    drawn: NDArray[np.float64] | None
+    values: Array
+    spread: Array
+    drawn: Array | None
 
     @property
     def quantity(self) -> str:

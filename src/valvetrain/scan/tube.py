@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 
-Array = NDArray[np.float64]
 DEGREE = 3
 #: Tukey's constant: points farther off than this many standard deviations do not count.
 TUKEY = 4.685

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
+
 if TYPE_CHECKING:
     import xarray
 
@@ -27,7 +29,7 @@ class Revolution(NamedTuple):
     whole: bool
 
 
-def last_revolution(cam_angle: NDArray[np.float64]) -> Revolution:
+def last_revolution(cam_angle: Array) -> Revolution:
     """The last whole cam revolution of unwrapped angles (rad), or the unfinished one where none is
     whole; all samples where there are fewer than two.
     """
@@ -44,12 +46,12 @@ def last_revolution(cam_angle: NDArray[np.float64]) -> Revolution:
     return Revolution(slice(first, last), turn, whole)
 
 
-def first_revolution(cam_angle: NDArray[np.float64]) -> int:
+def first_revolution(cam_angle: Array) -> int:
     """Number of the revolution in which unwrapped angles (rad) begin; 0 where there is none."""
     return int(np.floor(cam_angle[0] / TURN + 1e-9)) if np.isfinite(cam_angle[:1]).any() else 0
 
 
-def angle_within(cam_angle: NDArray[np.float64], revolution: int) -> NDArray[np.float64]:
+def angle_within(cam_angle: Array, revolution: int) -> Array:
     """Unwrapped angles (rad) counted from the start of a revolution."""
     return np.maximum(cam_angle - revolution * TURN, 0.0)
 

@@ -14,9 +14,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import Any, Literal, TypeVar, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
@@ -36,7 +34,7 @@ TOPICS = (
     "Spring force and coil bind", "Surge", "Coil clash", "Seating and contact", "Scatter from cycle to cycle", "Loss of control",
     "Wire stress",
 )  # fmt: skip
-Number = TypeVar("Number", float, NDArray[np.float64])
+Number = TypeVar("Number", float, Array)
 #: Cut-off (Hz) that labels of spring forces state: that of the case last built, or of the result last shown.
 _CUT_OFF: ContextVar[float] = ContextVar("cut_off_of_labels", default=FORCE_BANDWIDTH)
 

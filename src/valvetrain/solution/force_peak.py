@@ -8,11 +8,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.solution.provenance import Provenance
 
-Array = NDArray[np.float64]
 #: Cut-off (Hz) of the peak of a force where a case gives no other: above it, heights rest on contact
 #: constants that nobody knows, and on the mesh.
 FORCE_BANDWIDTH = 10e3

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Saveable, frame, table, value_text
 from valvetrain.solution.status import COMPLETED, Status
 
 if TYPE_CHECKING:
     import pandas
-
-
-Array = NDArray[np.float64]
 
 
 def check_shapes(result: object, noun: str, shapes: Mapping[str, tuple[int, ...]]) -> None:

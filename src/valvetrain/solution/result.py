@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
@@ -26,8 +26,6 @@ from valvetrain.solution.status import COMPLETED, Event, Fact, Status
 if TYPE_CHECKING:
     import pandas
     import xarray
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

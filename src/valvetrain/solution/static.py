@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Saveable, frame, span, value_text
 from valvetrain.solution.modes import ModalResult, check_shapes
@@ -17,8 +17,6 @@ from valvetrain.units import Given, si
 
 if TYPE_CHECKING:
     import pandas
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,12 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as table
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.schema_types import AngularSpeed, first_problem
 from valvetrain.quantities.compare import compare
-from valvetrain.quantities.cycle import Array, Cycle, Frame, reported_cycle
+from valvetrain.quantities.cycle import Cycle, Frame, reported_cycle
 from valvetrain.quantities.signal import Window
 from valvetrain.solution.display import value_text
 from valvetrain.solution.provenance import PublishedValue

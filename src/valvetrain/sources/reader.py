@@ -14,9 +14,10 @@ from itertools import pairwise
 import numpy as np
 from pydantic.dataclasses import dataclass as table
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.clash import runs
 from valvetrain.parameters.schema_types import Angle
-from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.cycle import Cycle
 from valvetrain.quantities.signal import (
     filtered_force,
     fine_filtered,

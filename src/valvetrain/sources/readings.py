@@ -14,9 +14,10 @@ import numpy as np
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as table
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_types import Angle, Frequency
-from valvetrain.quantities.cycle import Array, Cycle
+from valvetrain.quantities.cycle import Cycle
 from valvetrain.quantities.signal import (
     Index,
     Window,

@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import least_squares
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.measured.force_curve import Array, Estimate
+from valvetrain.measured.force_curve import Estimate
 from valvetrain.measured.force_height import ForceHeight
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.curves import RAMP, Constant, PiecewiseLinear

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
@@ -41,9 +42,6 @@ def wire_lift_row(
     row[1:] += share
     row[:-1] -= share
     return row
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

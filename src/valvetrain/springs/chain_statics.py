@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import contact_response
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
+from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition
 
 CONTACT_STIFFNESS = 1e10
 #: Elements per turn of the chain that reduces a definition.

@@ -41,7 +41,8 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from valvetrain.arrays import Array
+
 #: Target spacing of a record of coil contacts over the spring's first natural period, of some 2 ms: their
 #: impacts last about 10 us.
 WATCH_SHARE = 1e-3

@@ -7,10 +7,11 @@ from typing import Protocol
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_layout import Array, ChainLayout, check_masses
+from valvetrain.springs.chain_layout import ChainLayout, check_masses
 from valvetrain.springs.chain_statics import (
     contact_depths,
     frequencies,

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import law_of
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes
@@ -187,7 +187,6 @@ SPEC = SpringModelSpec(
 )
 
 
-Array = NDArray[np.float64]
 #: A force below this share of the curve's largest is what rounding leaves of zero, as in the free
 #: state.
 ROUND_OFF_SHARE = 1e-11

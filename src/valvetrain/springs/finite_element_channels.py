@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import contact_response
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
@@ -14,8 +15,6 @@ from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.transient import RodTransient
 from valvetrain.solution.channels import EXTREMES, FINE, ChannelArrays, spring_channels
 from valvetrain.springs.finite_element_model import POINTS_PER_COIL, RodModel
-
-Array = NDArray[np.float64]
 
 #: A gap (m) below which coils count as near, and the sliding speed (m/s) from which touching coils
 #: count as sliding.

@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import contact_response, law_address
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.end_coils import EndCoils
@@ -29,7 +30,6 @@ from valvetrain.springs import finite_element_kernel as stepping
 from valvetrain.springs.chain_statics import first_period_of
 from valvetrain.springs.contract import (
     WATCH_SHARE,
-    Array,
     ContactWatch,
     EndForces,
     SpringEnergy,

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.springs import chain_statics
-from valvetrain.springs.contract import Array, SpringModel, SpringWithModes
+from valvetrain.springs.contract import SpringModel, SpringWithModes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Share
 from valvetrain.parameters.spring import SpringDefinition
@@ -22,7 +23,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
 from valvetrain.springs.chain_layout import RAYLEIGH_FRACTION, check_masses
 from valvetrain.springs.chain_statics import reduction_chain, static_curve
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import keep_si, si_each

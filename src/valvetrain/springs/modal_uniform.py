@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import keep_si, si_each

@@ -28,11 +28,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import modal_kernels
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import EndForces, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import SECTIONS
 from valvetrain.springs.spec import NoOptions, SpringModelSpec

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import (
     LINEAR,
     CoilContactLaw,
@@ -30,7 +31,6 @@ from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, 
 from valvetrain.springs.chain_statics import CONTACT_STIFFNESS
 from valvetrain.springs.contract import (
     WATCH_SHARE,
-    Array,
     ContactWatch,
     EndForces,
     SpringEnergy,

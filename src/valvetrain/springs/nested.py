@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.springs.chain_layout import ChainLayout
 from valvetrain.springs.contract import (
-    Array,
     ContactWatch,
     EndForces,
     Kernel,

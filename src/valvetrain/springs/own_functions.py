@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.own_parts import argument_count, for_numba
-from valvetrain.springs.contract import Array
 
 #: Compressions (m) at which a spring is tried before it runs.
 TRIED = (0.0, 1e-3, 5e-3)

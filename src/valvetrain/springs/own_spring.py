@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain import registry
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.own_parts import carrying, own_name
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
-from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringModel, SpringOutputs
+from valvetrain.springs.contract import EndForces, SpringEnergy, SpringModel, SpringOutputs
 from valvetrain.springs.own_functions import Behaviour, behaviour_of, takes_spring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
 from valvetrain.units.text import clipped

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.contact_points import ContactPoints
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.errors import InputError
@@ -21,7 +22,6 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.contract import (
     WATCH_SHARE,
-    Array,
     ContactWatch,
     EndForces,
     ShownSeries,

@@ -33,8 +33,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.compiled import njit
 
 #: First lift (m), spacing of fine lifts (m), mass damping (1/s), stiffness damping (s), contact
@@ -59,7 +59,7 @@ def row_size(values: int) -> int:
     return -(-values // LINE) * LINE
 
 
-def aligned(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def aligned(values: Array) -> Array:
     """A copy (n,) that begins a cache line.
 
     >>> aligned(np.arange(3.0)).ctypes.data % 64

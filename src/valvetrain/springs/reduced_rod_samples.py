@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.reduced_rod_tables import ReducedTables
-
-Array = NDArray[np.float64]
 
 
 class Samples(NamedTuple):

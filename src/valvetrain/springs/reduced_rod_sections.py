@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.condensed import CondensedRod, position_slots, rotation_slots
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState, advance
@@ -22,7 +22,6 @@ from valvetrain.springs.finite_element_channels import (
     wire_points,
 )
 
-Array = NDArray[np.float64]
 #: Largest displacement (m) of the differences that give slopes.
 DIFFERENCE = 1e-7
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, eigh
 
+from valvetrain.arrays import Array
 from valvetrain.cosserat.condensed import (
     CondensedRod,
     condensed,
@@ -29,8 +29,6 @@ from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
 from valvetrain.springs.reduced_rod_kernel import LANES
 from valvetrain.springs.reduced_rod_sections import WireTables, wire_tables
-
-Array = NDArray[np.float64]
 
 #: Spacing (m) of the lifts about which the wire is condensed, and equilibria from one to the next.
 SPACING, PARTS = 0.45e-3, 4

@@ -13,12 +13,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-
-Array = NDArray[np.float64]
 
 #: Channels of stress in the wire -> words; all in Pa over sample and wire_point.
 STRESS_CHANNELS: Mapping[str, str] = {

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import wave_rod_kernels
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec
 from valvetrain.units import keep_si

@@ -11,20 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.coil_contact.law import LINEAR, law_of
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import NO_CONTACTS, ChainLayout, CoilContacts, uniform_chain
-from valvetrain.springs.contract import (
-    Array,
-    ContactWatch,
-    EndForces,
-    Kernel,
-    SpringEnergy,
-    SpringOutputs,
-)
+from valvetrain.springs.contract import ContactWatch, EndForces, Kernel, SpringEnergy, SpringOutputs
 from valvetrain.springs.equivalent import EquivalentSpring, InstalledGaps, installed_gaps
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import NoOptions, SpringModelSpec

@@ -7,16 +7,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import BPoly
 
+from valvetrain.arrays import Array
 from valvetrain.mechanism.parts import AssembledMechanism
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 TURN = 2 * np.pi
 
 

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.modes import TrainModes
 from valvetrain.system.train_modes import eigen_at, modes_from
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 #: Lifts over the full one at which modes are looked at on the way; springs whose rest takes long are
 #: followed in one step.
 LIFTS = (0.01, 0.05, 0.2, 0.5, 0.8)

@@ -8,14 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.springs.contract import SpringModel
 from valvetrain.system.contract import PRESCRIBED
-
-Array = NDArray[np.float64]
 
 
 def names_of(springs: Sequence[object]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.parts import AssembledMechanism
@@ -15,7 +16,7 @@ from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
-from valvetrain.springs.contract import Array, SpringModel, TabulatedSpring
+from valvetrain.springs.contract import SpringModel, TabulatedSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.contract import PRESCRIBED, TRAIN

@@ -9,13 +9,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.system.train_forces import gap_state, gap_states, law_force
 from valvetrain.system.train_system import TrainSystem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.mechanism.gaps import gap_rows, table_value
 from valvetrain.system.train_system import TrainSystem
-
-Array = NDArray[np.float64]
 
 
 def gap_states(

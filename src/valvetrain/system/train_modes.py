@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.mechanism.parts import CONTACT
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -26,7 +26,6 @@ from valvetrain.system.train_forces import gap_state, generalised_forces, law_fo
 from valvetrain.system.train_rest import static_equilibrium
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 #: Step (m, rad) of the differences of the gaps' gradients, smooth functions of lengths of
 #: centimetres.
 STEP = 1e-6

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.system.train_forces import generalised_forces, own_time_step
 from valvetrain.system.train_system import TrainSystem
 
-Array = NDArray[np.float64]
 #: Points of the static spring curve over the lift.
 CURVE_POINTS = 33
 #: Steps of the search for rest without a thousandth of progress after which it ends.

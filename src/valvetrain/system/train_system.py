@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.contact.kernels import OWN_LAW, WIDTH
 from valvetrain.contact.law import LawKernel, OwnLaw
 from valvetrain.errors import InputError
@@ -22,7 +23,6 @@ from valvetrain.springs.contract import LargeSpring, SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.units.dimensions import DIMENSIONS
 from valvetrain.units.text import (
@@ -30,8 +31,7 @@ from valvetrain.units.text import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    pass
 
 #: What a public function takes for a number with a dimension: an SI number (of Python or numpy),
 #: text with a unit, a pint quantity.
@@ -181,7 +181,7 @@ def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tu
         ) from error
 
 
-def si_array(values: Any, quantity: str, where: str = "") -> NDArray[np.float64]:
+def si_array(values: Any, quantity: str, where: str = "") -> Array:
     """SI values of a row of numbers, or of quantities with a unit (a row of them, or a pint array).
 
     Errors as :func:`si`, which sees the largest plain number, so that degrees are not taken for

@@ -8,15 +8,14 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.units.dimensions import DEFAULT, DEFINITIONS, DIMENSIONS
 
 if TYPE_CHECKING:
-    import numpy as np
     import pint
-    from numpy.typing import NDArray
 
-Number = TypeVar("Number", float, "NDArray[np.float64]")
+Number = TypeVar("Number", float, "Array")
 #: Bare lengths below this are more likely inches: wires, lifts and heights of springs are, but for
 #: lashes and thin wires in mm.
 MAX_INCHES = 2.6

@@ -11,7 +11,8 @@ from collections.abc import Callable
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.facts import TURN, Array, Facts, open_mask, over_turn
+from valvetrain.arrays import Array
+from valvetrain.findings.facts import TURN, Facts, open_mask, over_turn
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study

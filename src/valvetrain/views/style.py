@@ -11,7 +11,8 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import ArrayLike
 
-from valvetrain.findings.facts import Array, Facts, cam_angles, over_turn
+from valvetrain.arrays import Array
+from valvetrain.findings.facts import Facts, cam_angles, over_turn
 from valvetrain.solution.result import Solution
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 

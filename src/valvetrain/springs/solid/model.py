@@ -9,13 +9,14 @@ from typing import NoReturn, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.continuum.statics import SolidEquilibrium, SolidStatics
 from valvetrain.continuum.transient import SAFETY, SolidDynamics, stable_time_step
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_statics import first_period_of
-from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
+from valvetrain.springs.contract import EndForces, Kernel, SpringEnergy, SpringOutputs
 
 #: Why a solid has no place in the steps of a train.
 ALONE = (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from valvetrain.arrays import Array
 from valvetrain.continuum import contact_kernels, time_kernels
 from valvetrain.continuum.section_loads import SurfaceStress, section_loads
 from valvetrain.continuum.transient import SolidTransient
@@ -18,8 +18,6 @@ from valvetrain.springs.finite_element_channels import (
     wire_points,
 )
 from valvetrain.springs.solid.model import SolidModel
-
-Array = NDArray[np.float64]
 
 
 def solid_channels(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Array
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.parameters.summary import number
 from valvetrain.quantities.cycle import Cycle
@@ -17,7 +18,6 @@ from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import value_text as shown_text
 from valvetrain.solution.result import Solution
 
-Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 

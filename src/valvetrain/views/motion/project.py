@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from valvetrain.arrays import Array
 from valvetrain.parameters.summary import rpm
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 from valvetrain.views.motion.parts import (
-    Array,
     Body,
     Colouring,
     Moving,

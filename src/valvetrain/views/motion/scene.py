@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import speed_text
@@ -22,15 +23,7 @@ from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 from valvetrain.views.figures import worst_run
-from valvetrain.views.motion.parts import (
-    Array,
-    Moving,
-    Places,
-    Series,
-    SpringDrawing,
-    Variant,
-    marks_of,
-)
+from valvetrain.views.motion.parts import Moving, Places, Series, SpringDrawing, Variant, marks_of
 from valvetrain.views.motion.springs import draw_spring, one_range
 from valvetrain.views.motion.train import TrainDrawing, draw_train
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
@@ -14,7 +15,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import local_compliance
 from valvetrain.springs.stress import bergstraesser
 from valvetrain.springs.wire_from_card import ACTIVE_COILS, wire_from_card
-from valvetrain.views.motion.parts import Array, Colouring, Places, SpringDrawing, Variant
+from valvetrain.views.motion.parts import Colouring, Places, SpringDrawing, Variant
 
 #: Colours from low to high. Nothing to see is grey, on light and dark paper alike; what is large is
 #: dark red.

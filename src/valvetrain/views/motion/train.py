@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
@@ -24,7 +25,7 @@ from valvetrain.system.problem import Member
 from valvetrain.system.rigid_pose import rigid_poses
 from valvetrain.system.train_system import TrainSystem
 from valvetrain.views.motion import parts as outlines
-from valvetrain.views.motion.parts import Array, Body, Places, Shape
+from valvetrain.views.motion.parts import Body, Places, Shape
 from valvetrain.views.motion.springs import wire_of
 
 #: Room (m, rad) beyond the travel of the contact, thickness (m) of a pad, height of a tappet over
