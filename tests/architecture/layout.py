@@ -68,7 +68,9 @@ def levels() -> dict[str, int]:
     levels only.
     """
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    drawing = re.search(r"^    arrays, errors, lazy, session\n(?:      <- .*\n)+", text, re.MULTILINE)
+    drawing = re.search(
+        r"^    arrays, errors, lazy, session\n(?:      <- .*\n)+", text, re.MULTILINE
+    )
     assert drawing, "docs/architecture.md lost its drawing of the packages"
     found: dict[str, int] = {}
     for level, line in enumerate(drawing[0].splitlines()):
