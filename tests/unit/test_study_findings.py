@@ -16,6 +16,7 @@ from valvetrain.explore.space import Space, Uniform, Values, Varied
 from valvetrain.explore.study import run_experiment
 from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.explore.study_facts import StudyFacts
+from valvetrain.explore.study_rules import at_end_of_range
 from valvetrain.explore.table import StudyTable
 from valvetrain.findings.engine import judge
 from valvetrain.findings.words import Words
@@ -221,6 +222,7 @@ def test_zero_lash_is_no_choice():
     made = replace(table("map"), plan=plan, inputs=1e-4 * np.array([[0.0], [1.0], [2.0]]), values=values,
                    runs=plan.runs * 3, statuses=table("map").statuses[:3])  # fmt: skip
     assert StudyFacts(made).ends["best"] == 1
+    assert not at_end_of_range(StudyFacts(made), 1)  # a lower value was tried
 
 
 def test_a_finding_has_its_numbers_in_si_and_another_system_of_units():

@@ -159,7 +159,8 @@ def at_end_of_range(facts: StudyFacts, best: int) -> str:
     """``still falling at the lowest value tried``: of a best point at an end of one quantity, next to a worse point."""
     values = facts.judged(facts.outputs[0])
     for side, step in (("lowest", 1), ("highest", -1)) if len(facts.along) == 1 else ():
-        first, *rest = [k for k in facts.order[::step] if np.isfinite(values[k])]
+        first, *rest = facts.order[::step]
+        rest = [k for k in rest if np.isfinite(values[k])]
         if (
             first == best
             and rest
