@@ -55,7 +55,8 @@ QUESTIONS: dict[str, Question] = {
     "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire", "50 g"),
     "lift": Question("lift_law.valve_lift", "LENGTH", "valve lift at zero lash", "0.565 in"),
     "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
-    "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm", "0.050 in"),
+    "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm, of the "
+                              "tappet, or of the valve with a finger or rocker on the cam", "0.050 in"),
     "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
     "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
     "ratio": Question("lift_law.rocker_ratio", "RATIO", "rocker ratio", kinds=_PUSHROD),
@@ -65,6 +66,7 @@ QUESTIONS: dict[str, Question] = {
     "pushrod_length": Question("train.pushrod.length", "LENGTH", "pushrod, between its balls", kinds=_PUSHROD),
     "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
     "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
+    "pushrod_mass": Question("train.pushrod.mass", "MASS", "pushrod as weighed; without it that of its tube", kinds=_PUSHROD),
     "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
 }  # fmt: skip
 

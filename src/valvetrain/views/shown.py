@@ -25,7 +25,8 @@ if TYPE_CHECKING:  # a list of files loads none of these
 SAID = ("M", "H", "W", "F", "N", "Q", "J", "Y")
 #: How next steps begin that take ``--units``.
 WITH_UNITS = tuple(f"valvetrain {one} " for one in (
-    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "study --parts",
+    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "scan", "film",
+    "rig", "compare-test", "study --parts",
 ))  # fmt: skip
 
 
