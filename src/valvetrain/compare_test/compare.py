@@ -57,6 +57,7 @@ class ModelAgainstTest(Reported):
     found or assumed on the way; ``failures``: a sentence per run that did not complete. ``separate``: how many
     separate cycles successive ones that are alike are worth, NaN where they are not alike.
 
+    >>> import numpy as np
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
@@ -141,6 +142,7 @@ def compare_with_test(
 
     Examples
     --------
+    >>> import numpy as np
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     >>> forces = vt.simulate("job-t", "3000 rpm", models=["multi-mass"]).solutions[0]
@@ -190,6 +192,7 @@ def compare_study_with_test(
 
     Examples
     --------
+    >>> import numpy as np
     >>> import numpy as np
     >>> import valvetrain as vt
     >>> study = vt.simulate("job-t", "3000 rpm", models="multi-mass")

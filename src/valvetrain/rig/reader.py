@@ -35,6 +35,7 @@ class RigChannel:
         times
     times : s, shape (samples,), where they are stored one by one
 
+    >>> import numpy as np
     >>> RigChannel("Force 1", "N", np.zeros(100), step=1e-4)
     RigChannel 'Force 1' [N]: 100 samples, 10000 Hz
     """
@@ -64,6 +65,7 @@ class Recording:
     synthetic : the file says that it was computed
     notes : what was left out and why, a sentence each
 
+    >>> import numpy as np
     >>> Recording("text", (RigChannel("a", "N", np.zeros(9)),)).names
     ('a',)
     """
