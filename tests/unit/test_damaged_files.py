@@ -4,6 +4,7 @@ damage from a difference."""
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
 
@@ -25,7 +26,7 @@ from valvetrain.runs.saved_runs import (
 )
 from valvetrain.solution import atomic as checksum
 from valvetrain.solution.channels import ChannelArrays
-from valvetrain.solution.netcdf import TREE, load_netcdf, refuse_claims, save_netcdf, write_image
+from valvetrain.solution.netcdf import TREE, load_netcdf, refuse_claims, save_netcdf, write_arrays
 from valvetrain.solution.result import save_csv
 
 RUN = rod_run(samples=90)
@@ -86,7 +87,9 @@ def test_a_result_without_its_checksum_is_refused_before_the_library_sees_it(tmp
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 50_000, "null", "{}", '"x"', "7"])
 def test_deep_and_empty_descriptions_are_refused(tmp_path, text):
-    path = write_image(ChannelArrays({}, {}), {TREE: text}, tmp_path / "run.nc")
+    path, memory = tmp_path / "run.nc", io.BytesIO()
+    write_arrays(memory, ChannelArrays({}, {}), {TREE: text})
+    path.write_bytes(memory.getvalue() + checksum.closing_line(memory.getvalue()))
     refused(load_netcdf, path, "is damaged")
 
 
