@@ -128,7 +128,7 @@ WRONG = [
     ("new", "mine", "--kind", "fingr"), ("compare-runs", "one", "two"), ("run", "uniform-spring", "--rpm", "1000 rpm"),
     ("run", "job-c", "--workers", "0"), ("run", "job-c", "--set", "spring"), ("run", "job-c", "--set", "spring.wire_diametre=4 mm"),
     ("run", "job-c", "--set", "spring.wire_diameter=4 N"), ("run", "job-c", "--set", "spring.wire_diameter=4"),
-    ("run", "job-c", "--set", "spring.wire_diameter=40 mm"), ("run", "job-c", "--set", "spring.total_coils.x=4"),
+    ("run", "job-c", "--set", "spring.mean_diameter=3.5 mm"), ("run", "job-c", "--set", "spring.total_coils.x=4"),
     ("run", "job-c", "--set", "sprung.x=4"), ("run", "job-c", "--set", "spring.pitch.coils.9=4"),
     ("run", "job-c", "--set", "spring.options.finite-element.time_step="), ("run", "job-c", "--elements-per-coil", "2"),
     ("run", "job-c", "--elements-per-coil", "many"), ("static", "uniform-spring", "--to", "40 mm"),

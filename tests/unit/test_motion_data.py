@@ -165,7 +165,7 @@ def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
     """A uniform spring that moves slowly: k 8 F D / (pi d**3) with F the rate times the
     compression, everywhere on the active wire.
     """
-    wire = cylindrical(wire_diameter="4 mm", mean_diameter="24 mm", pitch="8 mm", total_coils=6)
+    wire = cylindrical("4 mm", "24 mm", "8 mm", total_coils=6)
     coil = np.linspace(0, 6, 61)
     first, last = wire.free_coils
     rate = wire.material.shear_modulus * 4e-3**4 / (8 * 24e-3**3 * (last - first))

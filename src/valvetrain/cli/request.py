@@ -128,13 +128,16 @@ class SavedLine(FolderLine):
 
     def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
         """As that of the base class, of the case with its changes."""
-        name, sets = given["case"] or "", given.get("spring_sets") or ()
-        if not name and (self.settings or self.elements_per_coil):
-            raise InputError("values are changed of a case; name it with --case", "--set")
+        name, sets = given["case"], given.get("spring_sets") or ()
+        if name is None:
+            if self.settings or self.elements_per_coil:
+                raise InputError("values are changed of a case; name it with --case", "--set")
+            return super().request(model, given)
         name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
-        case = choose_case(name, self.settings, self.elements_per_coil) if name else None
-        request, _ = super().request(model, {**given, "case": case})
-        return request, folder_of(name) if name else Path()
+        case = choose_case(name, self.settings, self.elements_per_coil)
+        request = model.read({**given, "case": case}, flags=True)
+        take_folder(self.output)
+        return request, folder_of(name)
 
 
 @dataclass(frozen=True, kw_only=True)
