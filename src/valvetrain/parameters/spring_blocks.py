@@ -170,10 +170,12 @@ def _kind_of(entry: Any, which: str, pair: bool) -> type[SpringDefinition | Spri
 
 
 def fields_of(entry: Mapping[str, Any]) -> dict[str, FieldInfo]:
-    """The fields of the table of a spring, by its keys."""
+    """The fields of the table of a spring, by its keys, its name first."""
     if not is_card(entry):
-        return {**SpringDefinition.model_fields, **OF_WIRE}
-    return {**(SpringCard.model_fields if "loads_of" in entry else CARD), **OF_CARD}
+        fields = SpringDefinition.model_fields | OF_WIRE
+    else:
+        fields = (SpringCard.model_fields if "loads_of" in entry else CARD) | OF_CARD
+    return {"name": fields["name"], **fields}
 
 
 def is_card(entry: Mapping[str, Any]) -> bool:
