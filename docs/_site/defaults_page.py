@@ -19,7 +19,7 @@ from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.summary import number
 from valvetrain.parameters.train import PARTS, TrainParameters
 from valvetrain.parameters.winding import EndCoil
-from valvetrain.workbench.form_fields import shown_default
+from valvetrain.workbench.form_fields import usual_text
 
 _HEAD = """# Defaults
 
@@ -78,10 +78,15 @@ def _rows(model: Any, base: type[BaseModel] | None = None) -> list[str]:
         if name not in known or field.default != known[name].default
     }
     return [
-        f"| `{name}` | {shown_default(field)} | {field.description or ''} |"
+        f"| `{name}` | {_default(field)} | {field.description or ''} |"
         for name, field in fields.items()
         if _is_documented(field)
     ]
+
+
+def _default(field: FieldInfo) -> str:
+    text = usual_text(field) or "not given"
+    return f"`{text}`" if isinstance(field.default, str) and field.default else text
 
 
 def _is_documented(field: FieldInfo) -> bool:

@@ -132,7 +132,7 @@ def field_of(key: str, info: FieldInfo, value: Any, source: str) -> Field:
         help=info.description or HELP.get(name, ""),
         source=source if text else "",
         required=info.is_required(),
-        usual=_usual(info),
+        usual=usual_text(info),
         choices=choices,
         number=amount,
         slider=_slider(amount, limits, int in parts),
@@ -233,7 +233,7 @@ def _round_step(least: float) -> float:
     return _rounded(next(n for n in (1, 2, 5, 10) if n * power >= least * (1 - 1e-9)) * power)
 
 
-def _usual(info: FieldInfo) -> str:
+def usual_text(info: FieldInfo) -> str:
     """What holds where a value is left out, in words and in the unit in which it is usually given."""
     value = info.default
     if info.is_required() or info.default_factory is not None or value in (None, ""):
