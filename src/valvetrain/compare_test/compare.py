@@ -193,7 +193,6 @@ def compare_study_with_test(
     Examples
     --------
     >>> import numpy as np
-    >>> import numpy as np
     >>> import valvetrain as vt
     >>> study = vt.simulate("job-t", "3000 rpm", models="multi-mass")
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)

@@ -31,8 +31,8 @@ BEYOND = 0.005
 def without_false_surge(
     problem: Problem, ready: PreparedRun, solution: Solution, plan: Plan
 ) -> Solution:
-    """The run whose losses of contact and floats come of the train that flexes where surge shows in them, but massless
-    springs, which have none, lose contact half as far.
+    """The run with "the train flexes" as the cause of its losses of contact and floats under surge, where the same train on
+    massless springs, which have no surge, goes at least half as far.
     """
     seeming = (one.details.get("cause") == Cause.SURGE for one in solution.events if one.counts)
     if not any(seeming):
@@ -40,8 +40,9 @@ def without_false_surge(
     far = _far_without_surge(problem, ready, solution, plan)
 
     def judged(one: Event) -> Event:
-        kind = "float" if one.kind == "float" else "contact-loss"
-        if one.details.get("cause") != Cause.SURGE or far[kind] < AS_FAR * one.size:
+        if not one.counts or one.details.get("cause") != Cause.SURGE:
+            return one
+        if far["float" if one.kind == "float" else "contact-loss"] < AS_FAR * one.size:
             return one
         rest = {name: value for name, value in one.details.items() if name != "spring_force_loss"}
         return replace(one, details=rest | {"cause": Cause.VIBRATION})
@@ -62,8 +63,8 @@ def _far_without_surge(
     until = Periodic(compared=False, probed=False)
     run, _ = integrate_from(plain, solution.engine_speed, plan, solution.provenance, periodic=until)
     for one in with_quantities(plain, run, plan, {}).events:
-        if one.counts and one.kind in (*LOSSES, "float"):
-            kind = "float" if one.kind == "float" else "contact-loss"
+        kind = "contact-loss" if one.kind in LOSSES else one.kind
+        if one.counts and kind in far:
             far[kind] = max(far[kind], one.size)
     return far
 

@@ -137,11 +137,10 @@ def save_netcdf(item: Any, path: _PathLike) -> Path:
     text = json.dumps(
         {"version": FORMAT_VERSION, "tree": tree, "layout": layout}, ensure_ascii=False
     )
-    with (
-        io.BytesIO() as memory
-    ):  # a full disk then stops a plain write, not the library of the format
-        write_arrays(memory, labelled.assign(bytes_of), {TREE: text})
-        image = memory.getvalue()
+    # from memory: a full disk then stops a plain write, not the library of the format
+    memory = io.BytesIO()
+    write_arrays(memory, labelled.assign(bytes_of), {TREE: text})
+    image = memory.getvalue()
     return write_bytes(path, image + closing_line(image))
 
 
