@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from valvetrain.arrays import Array
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.units.dimensions import DIMENSIONS
 from valvetrain.units.text import (
@@ -31,7 +30,7 @@ from valvetrain.units.text import (
 )
 
 if TYPE_CHECKING:
-    pass
+    from valvetrain.arrays import Array
 
 #: What a public function takes for a number with a dimension: an SI number (of Python or numpy),
 #: text with a unit, a pint quantity.

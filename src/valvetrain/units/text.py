@@ -8,12 +8,13 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.units.dimensions import DEFAULT, DEFINITIONS, DIMENSIONS
 
 if TYPE_CHECKING:
     import pint
+
+    from valvetrain.arrays import Array
 
 Number = TypeVar("Number", float, "Array")
 #: Bare lengths below this are more likely inches: wires, lifts and heights of springs are, but for
