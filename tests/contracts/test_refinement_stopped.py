@@ -13,8 +13,9 @@ import pytest
 
 from fault_parts import gone, started
 from unit.cli_parts import SMALL, call, typed, wait_until
+from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.runs import refine as springs
+from valvetrain.runs import refine, refine_variants
 from valvetrain.runs.error_bars import DOUBTFUL, RefinementStopped
 from valvetrain.runs.refine import refined
 
@@ -26,7 +27,7 @@ from valvetrain.cli import main, progress
 @contextmanager
 def bar(title):
     def report(done, words):
-        if "variants, 3 of" in words or "run 3 of" in words:
+        if "variants, 3 of" in words:
             open("reached", "w").close()
     yield report
 
@@ -113,11 +114,14 @@ def test_a_train_that_is_stopped_has_the_bars_of_its_finished_variants():
     case = load_case("tdi-pushrod")
     case = case.replace(train=case.train.replace(variants=case.train.variants[:2]))
     first = case.train.variants[0].label
-    jobs = 10  # own, two steps, samples, two finer springs, four contacts
+    jobs = (
+        2 + 9
+    )  # both own ones; two steps, samples, two finer springs and four contacts of the first
+    prepared = 12  # finer springs and contacts of both
     with pytest.raises(RefinementStopped) as found:
-        refined(case, [300.0], workers=1, progress=stopping_at(jobs + 2))
+        refined(case, [300.0], workers=1, progress=stopping_at(prepared + jobs + 1))
     study = found.value.study
-    assert {row.label for row in study.rows} == {first} and study.finished == jobs + 2 < study.runs
+    assert {row.label for row in study.rows} == {first} and study.finished == jobs + 1 < study.runs
     assert f"{case.train.variants[1].label}, mesh 1" in study.values and not study.failures
 
 
@@ -125,15 +129,15 @@ def test_a_mesh_that_cannot_be_is_told_and_two_meshes_give_the_bars(tmp_path, mo
     """250 elements a coil are 563 on the finest mesh, more than the rod holds: the whole refinement
     was refused for it.
     """
-    usual = springs._prepare
+    usual = refine_variants.prepare_refined
     whole = refined(parse_case(OWN_MESH, name="small"), SPEEDS[:1], workers=1)
 
-    def without_the_finest(shared, changed):
-        if changed[0].options_of("finite-element").get("elements_per_coil") == 18:
-            raise springs.InputError("3375 vertices exceed the 1536 that the rod holds")
-        return usual(shared, changed)
+    def without_the_finest(problem, member, *surge):
+        if member.springs[0].options_of("finite-element").get("elements_per_coil") == 18:
+            raise InputError("3375 vertices exceed the 1536 that the rod holds")
+        return usual(problem, member, *surge)
 
-    monkeypatch.setattr(springs, "_prepare", without_the_finest)
+    monkeypatch.setattr(refine_variants, "prepare_refined", without_the_finest)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(OWN_MESH)
     result = call(*typed("refine small.toml --rpm '400 rad/s' --workers 1 --output out --json"))
@@ -159,23 +163,23 @@ def test_a_run_that_fails_is_told_and_costs_no_other(monkeypatch):
     """A halved step that diverges leaves its speed without bars; a contact that does, its range
     without an end.
     """
-    usual, case = springs._moving, parse_case(OWN_MESH, name="small")
+    usual, case = refine._moving, parse_case(OWN_MESH, name="small")
     whole = refined(case, SPEEDS[:2], workers=1)
     calls: list[int] = []
 
-    def failing(solution, window, study):
+    def failing(*given):
         calls.append(0)
         if len(calls) in (
-            4,
+            5,
             16,
         ):  # the halved step of the first speed, the last contact of the second
             raise ZeroDivisionError("float division by zero")
-        return usual(solution, window, study)
+        return usual(*given)
 
-    monkeypatch.setattr(springs, "_moving", failing)
+    monkeypatch.setattr(refine, "_moving", failing)
     study = refined(case, SPEEDS[:2], workers=1)
     assert [words.partition(":")[0] for words in study.failures] == [
-        "half step at 3820 rpm",
+        "step 2 at 3820 rpm",
         "damping 2 at 4775 rpm",
     ]
     assert {row.engine_speed for row in study.rows} == {

@@ -12,7 +12,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.parameters.loading import library_names, load_case
 from valvetrain.parameters.train import TrainParameters
-from valvetrain.runs import compare, refine_trains, run, run_up
+from valvetrain.runs import compare, refine, run, run_up
 from valvetrain.system.build import build
 
 TEMPLATES = Path(vt.__file__).parent / "templates"
@@ -51,7 +51,7 @@ WAYS = {
     "sweep": (run, lambda case: vt.sweep(case, [300.0, 400.0], workers=1)),
     "run-up": (run_up, lambda case: vt.run_up(case, "2000 rpm", "2400 rpm", "0.2 s")),
     "compare": (compare, lambda case: vt.compare(case, "2000 rpm", workers=1)),
-    "refine": (refine_trains, lambda case: refine_trains.refine_trains(case, [300.0], workers=1)),
+    "refine": (refine, lambda case: refine.refined(case, [300.0], workers=1)),
 }
 
 

@@ -14,8 +14,8 @@ from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
 from valvetrain.rig.shaft import ShaftAngle
-from valvetrain.runs import refine_trains
-from valvetrain.runs.refine import refine_springs
+from valvetrain.runs.refine import refined
+from valvetrain.runs.refine_variants import with_constant
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
@@ -30,7 +30,7 @@ def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor
     contact = ContactParameters(
         "hunt-crossley", {"contact_stiffness": 1e9, "exponent": 1.5, "restitution": 0.7}
     )
-    changed = refine_trains._with(contact, "damping", factor).values["restitution"]
+    changed = with_constant(contact, "damping", factor).values["restitution"]
     assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
     assert (changed < 0.7) is (factor > 1)
 
@@ -71,7 +71,5 @@ def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed():
     computed = []
     for speeds in ([0.0], [-100.0], [float("nan")]):
         with pytest.raises(InputError, match="speed"):
-            refine_springs(
-                vt.load_case("job-t"), speeds, progress=lambda *given: computed.append(given)
-            )
+            refined(vt.load_case("job-t"), speeds, progress=lambda *given: computed.append(given))
     assert not computed

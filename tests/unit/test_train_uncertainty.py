@@ -14,7 +14,7 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
 from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS, divided
-from valvetrain.runs.refine_trains import refine_trains
+from valvetrain.runs.refine import refined
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.uncertainty import CONSTANTS
 from valvetrain.system.build import build
@@ -38,7 +38,7 @@ def one_variant(label: str):
 @pytest.fixture(scope="module")
 def study():
     told = []
-    found = refine_trains(
+    found = refined(
         one_variant("stock, as printed"),
         (3000 * RPM,),
         workers=1,
@@ -107,7 +107,7 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
 def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():
     """A chain that clashes needs a wire; the cards of this train have none."""
     case = load_case("tdi-pushrod", {"train.spring_model": "wave-rod-clash"})
-    found = refine_trains(case, [1000 * np.pi / 30], workers=1)
+    found = refined(case, [1000 * np.pi / 30], workers=1)
     assert found.failures and all(
         "wave-rod-clash" in one or "wire" in one for one in found.failures
     )
@@ -127,13 +127,13 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids():
         one for one in case.train.variants if one.label == "finite elements, lash 0 mm"
     )
     variant = case.replace(train=case.train.replace(variants=variants))
-    found = refine_trains(variant, (5500 * RPM,), workers=1)
+    found = refined(variant, (5500 * RPM,), workers=1)
     names = {name.rpartition(", ")[2] for name in found.values}
     contacts = {f"contact {word} {n}" for word in ("damping", "stiffness") for n in (1, 2)}
-    assert names == {OWN, "springs 2", "step 2", *contacts} and found.rows
+    assert names == {OWN, "mesh 2", "step 2", *contacts} and found.rows
     own, halved, finer = (
         found.values[f"finite elements, lash 0 mm, {name}"][5500 * RPM]
-        for name in (OWN, "step 2", "springs 2")
+        for name in (OWN, "step 2", "mesh 2")
     )
     for row in found.rows:
         step = 3 * abs(own[row.quantity] - halved[row.quantity]) * 4 / 3

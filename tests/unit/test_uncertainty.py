@@ -19,7 +19,7 @@ from valvetrain.runs.error_bars import (
     grid_convergence,
     observed_order,
 )
-from valvetrain.runs.refine import refine_springs
+from valvetrain.runs.refine import refined
 from valvetrain.solution.definition import is_defined
 
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
@@ -85,7 +85,7 @@ def coarse() -> UncertaintyStudy:
     coil, one cycle.
     """
     case = meshed("job-t", 16)
-    return refine_springs(
+    return refined(
         case.replace(operation=replace(case.operation, cycles=1)), (3000 * RPM,), workers=2
     )
 
@@ -144,7 +144,7 @@ def test_stiffer_contact_clashes_harder():
     too.
     """
     told = []
-    study = refine_springs(
+    study = refined(
         meshed("gu2021-beehive-blind", 12),
         (8000 * RPM,),
         workers=2,
@@ -199,7 +199,7 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
 
 def test_a_case_without_a_lift_law_is_refused():
     with pytest.raises(InputError, match="lift_law"):
-        refine_springs(load_case("uniform-spring"))
+        refined(load_case("uniform-spring"))
 
 
 @pytest.mark.parametrize(

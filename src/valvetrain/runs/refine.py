@@ -1,59 +1,63 @@
-"""Error bars of any case (:func:`refine`): meshes and steps refined, contact constants varied; here
-of springs.
-"""
+"""Error bars of any case (:func:`refine`): springs divided more finely, steps halved, contact constants varied."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.train_leapfrog import LARGE_SAMPLES
+from valvetrain.integrate.train_leapfrog import SAMPLES as TRAIN_SAMPLES
+from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.clash import ClashWindow, find_clash_window, main_clash_quantities
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.statics import modal_quantities
 from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refine_cost, refuse_cost
 from valvetrain.runs.error_bars import (
     OWN,
+    ROUNDING,
     SPRING_HEADLINES,
-    STIFFNESS_FACTORS,
+    TRAIN_HEADLINES,
     TRUSTED,
     Numbers,
     Stages,
     UncertaintyStudy,
     contact_ranges,
     convergence,
-    damped,
-    stiffened,
 )
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
     PreparedRun,
-    integrate_point,
-    prepare,
+    integrate_from,
     provenance_of,
     with_quantities,
 )
-from valvetrain.runs.refine_trains import refine_trains
+from valvetrain.runs.refine_variants import (
+    DIVISION,
+    is_large,
+    place_of,
+    prepare_refined,
+    prepare_variant,
+    rods_of,
+    variants_of,
+)
 from valvetrain.runs.refusals import checked_speeds
-from valvetrain.runs.statics import MODES
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.stored_error_bars import ROD
-from valvetrain.runs.workers import Progress, worker_count
-from valvetrain.solution.critical import DAMPING_FACTORS
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress, worker_count
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import reason
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.springs.finite_element import FiniteElementRod, modal_result
 from valvetrain.system.build import build
-from valvetrain.system.prescribed import names_of
+from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
+from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, known_arguments, si_speeds
 
 
@@ -121,127 +125,128 @@ def refined(
     implausible: bool = False,
 ) -> UncertaintyStudy:
     """Error bars of a case's headline numbers at ``engine_speeds`` (rad/s of the crank; None: the
-    case's own), whatever they cost.
+    case's own), whatever they cost: springs alone over ``workers`` threads, trains over processes.
 
     ``limits`` of one run; ``implausible`` values pass. A variant that fails is one of the
-    ``failures``. Raises :class:`InputError` for a case that cannot be refined and what
-    :func:`valvetrain.runs.run.run_study` refuses, :class:`RefinementStopped` with what is finished
-    when it is stopped.
+    ``failures``. A train on finite-element springs gets two grids of each kind instead of three
+    (:func:`two_grids`), since a finer run takes many times as long. Raises :class:`InputError` for a
+    case that cannot be refined and what :func:`valvetrain.runs.run.run_study` refuses,
+    :class:`RefinementStopped` with what is finished when it is stopped.
     """
-    if case.train is not None:
-        return refine_trains(
-            case, engine_speeds, workers=workers, progress=progress, implausible=implausible
-        )
-    return refine_springs(
-        case,
-        engine_speeds,
-        workers=workers,
-        progress=progress,
-        limits=limits,
-        implausible=implausible,
-    )
-
-
-#: Elements per coil over those of the case.
-REFINEMENTS = (1.0, 1.5, 2.25)
-
-
-def refine_springs(
-    case: Case,
-    engine_speeds: Sequence[float] | None = None,
-    *,
-    workers: int = 2,
-    progress: Progress | None = None,
-    limits: Limits = Limits(),
-    implausible: bool = False,
-) -> UncertaintyStudy:
-    """Error bars of springs under prescribed motion: see :func:`refined`; runs over ``workers``
-    threads.
-    """
-    if (
-        case.lift_law is None
-        or not case.springs
-        or any(spring.wire is None for spring in case.springs)
-    ):
+    train = case.train is not None
+    wires = bool(case.springs) and all(spring.wire is not None for spring in case.springs)
+    if not train and (case.lift_law is None or not wires):
         raise InputError(
             f"case '{case.name}' needs a [spring] with its wire and a [lift_law] to be refined; give it both"
         )
-    problem = build(case, spring_models=("finite-element",))
+    problem = build(case).settled() if train else build(case, spring_models=(ROD,))
     speeds = checked_speeds(problem, engine_speeds, implausible)
-    samples = round(2 * np.pi / problem.output_step)
     plan = Plan(
-        samples=samples, cycles=problem.cycles, max_seconds=limits.seconds, implausible=implausible
+        samples=None if train else round(2 * np.pi / problem.output_step),
+        cycles=problem.cycles,
+        cycles_to_settle=problem.cycles_to_settle,
+        max_seconds=limits.seconds,
+        implausible=implausible,
     )
     # The own mesh comes first: its surge frequencies and clash windows define the numbers of every variant.
-    base, base_numbers = _prepare((problem, ()), problem.members[0].springs)
-    changed, failures, stages = _variants(base), list[str](), Stages()
-    names = tuple(changed)
+    ready: dict[str, dict[int, PreparedRun]] = {OWN: {}}
+    at_rest: dict[str, Numbers] = {}
+    failures, stages = list[str](), Stages()
+    for index, member in enumerate(problem.members):
+        try:
+            ready[OWN][index], numbers = prepare_refined(problem, member)
+        except FAILURES as error:
+            if not train:
+                raise
+            failures.append(f"{place_of(member, OWN)}: {reason(error)}")
+        else:
+            at_rest |= {OWN: numbers} if numbers else {}
+    variants = variants_of(case, problem, ready[OWN], failures)
     prepared = stages.map(
-        _prepare_variant,
-        (problem, base.frame.surge_frequencies),
-        tuple(changed.items()),
+        prepare_variant,
+        ready[OWN],
+        variants,
         workers,
         tell=_stage(progress, 0.0, 0.05, "statics and modes"),
     )
-    runs = {OWN: base}
-    values: dict[str, dict[float | None, Numbers]] = {OWN: {None: base_numbers}}
-    for index, (variant, numbers, failure) in sorted(prepared.items()):
+    for number, (one, numbers, failure) in sorted(prepared.items()):
+        variant = variants[number]
         failures += [failure] if failure else []
-        if variant is not None:
-            runs[names[index]], values[names[index]] = variant, {None: numbers}
-    own = {
-        speeds[index]: solution
-        for index, solution in stages.map(
-            _run,
-            (problem, plan),
-            [(base, speed) for speed in speeds],
-            workers,
-            tell=_stage(progress, 0.05, 0.1, "own mesh"),
-        ).items()
-    }
-    windows = {speed: _window(base, solution) for speed, solution in own.items()}
+        at_rest |= {variant.name: numbers} if numbers else {}
+        if one is not None:
+            ready.setdefault(variant.name, {})[variant.member] = one
 
-    def run_variant(shared: tuple[Problem, Plan], job: tuple[float, str]) -> tuple[Numbers, str]:
-        speed, name = job
-        position = f"{name} at {speed * 30 / np.pi:.0f} rpm"
-        try:
-            solution = own[speed] if name == OWN else _run(shared, (runs[name], speed))
-            failure = (
-                "" if solution.status.completed else f"{position}: {solution.status.sentence()}"
-            )
-            return _moving(solution, windows[speed], problem.record.study), failure
-        except FAILURES as error:
-            return {}, f"{position}: {reason(error)}"
+    def lost(job: _Job) -> _Result:
+        place = place_of(problem.members[job.member], job.variant)
+        return _Result({}, None, f"{place}: {LOST}; {LOST_REMEDY}")
 
-    jobs = [(speed, name) for speed in speeds for name in runs]
-    moving = stages.map(
-        run_variant, (problem, plan), jobs, workers, tell=_stage(progress, 0.1, 1.0, "variants")
-    )
-    for index, (numbers, failure) in moving.items():
-        speed, name = jobs[index]
-        values[name][speed] = numbers
-        failures += [failure] if failure else []
-    if not moving:  # stopped before: the numbers of the own mesh are there
-        values[OWN] |= {
-            speed: _moving(solution, windows[speed], problem.record.study)
-            for speed, solution in own.items()
-        }
-    missing = {speed for index, (speed, _) in enumerate(jobs) if index not in moving}
-    complete: list[float | None] = [None] if len(prepared) == len(changed) else []
-    if own:
-        complete += [speed for speed in speeds if speed not in missing]
-    own_elements = _rods(base)[0].elements_per_coil
-    elements = (own_elements, *(round(own_elements * ratio) for ratio in REFINEMENTS[1:]))
+    results: dict[_Job, _Result] = {}
+    windows: dict[float, ClashWindow | None] = {}
+    jobs = [_Job(OWN, index, speed) for speed in speeds for index in ready[OWN]]
+    further = [one for job in jobs for one in _further(job, ready)]
+    for batch, begin, end, name in ((jobs, 0.05, 0.1, OWN), (further, 0.1, 1.0, "variants")):
+        shared = problem, ready, plan, dict(windows)
+        found = stages.map(
+            _run, shared, batch, workers, processes=train, tell=_stage(progress, begin, end, name), lost=lost,
+        )  # fmt: skip
+        results |= {batch[number]: result for number, result in sorted(found.items())}
+        windows |= {job.engine_speed: result.window for job, result in results.items()}
+    values: dict[str, dict[float | None, Numbers]] = {}
+    for name, numbers in at_rest.items():
+        values[name] = {None: numbers}
+    by_run: dict[tuple[float, int], dict[str, Numbers]] = {}
+    for job, result in results.items():
+        place = place_of(problem.members[job.member], job.variant)
+        values.setdefault(place, {})[job.engine_speed] = result.numbers
+        by_run.setdefault((job.engine_speed, job.member), {})[job.variant] = result.numbers
+        failures += [result.failure] if result.failure else []
+    missing = {(one.engine_speed, one.member) for one in (*jobs, *further) if one not in results}
+    elements = () if train else _elements(ready[OWN][0])
+    rows = list(_rows(at_rest, None, "", elements)) if len(prepared) == len(variants) else []
+    for (speed, index), numbers_of in by_run.items():
+        if (speed, index) not in missing:
+            rows += _rows(numbers_of, speed, problem.members[index].label, elements)
+    unprepared = len(speeds) * (len(variants) - len(prepared))
     study = UncertaintyStudy(
         problem.record,
         elements,
-        tuple(_rows(values, elements, complete)),
+        tuple(rows),
         values,
         tuple(failures),
-        runs=len(speeds) * (1 + len(changed)),
-        finished=len(moving) or len(own),
+        runs=len(jobs) + len(further) + unprepared,
+        finished=len(results),
     )
     return stages.closed(study)
+
+
+#: Steps of a train over its default one; its samples per cam revolution, half the default.
+STEPS, SAMPLES = (0.5, 0.25), 720
+
+
+class _Job(NamedTuple):
+    """One run: variant of the study, index of the member, engine speed (rad/s), step of a train over the
+    default, its samples per revolution.
+    """
+
+    variant: str
+    member: int
+    engine_speed: float
+    step: float = 1.0
+    samples: int | None = None
+
+
+class _Result(NamedTuple):
+    """Headline numbers of a run, the window of its main clash, and why it failed."""
+
+    numbers: Numbers
+    window: ClashWindow | None = None
+    failure: str = ""
+
+
+#: Problem, prepared members by variant, plan, and windows of the main clash by engine speed (rad/s).
+_Shared = tuple[
+    Problem, Mapping[str, Mapping[int, PreparedRun]], Plan, Mapping[float, ClashWindow | None]
+]
 
 
 def _stage(
@@ -256,76 +261,52 @@ def _stage(
     return tell
 
 
-def _prepare(
-    shared: tuple[Problem, tuple[float, ...]], springs: tuple[InstalledSpring, ...]
-) -> tuple[PreparedRun, Numbers]:
-    """The run with other springs, and their static numbers; ``shared``: problem, surge frequencies
-    (none: its own).
-    """
-    problem, surge = shared
-    one = prepare(problem, replace(problem.members[0], springs=springs), {}, problem.record.study)
-    rods = _rods(one)
-    if one.refusal or len(rods) != len(springs):
-        raise InputError(
-            one.refusal
-            or "springs that rub on each other cannot be refined; leave the rubbing out of the case"
-        )
-    numbers: dict[str, float] = {}
-    first: list[float] = []
-    for rod, name in zip(rods, names_of(rods), strict=True):
-        found = {"preload": float(rod.installed.retainer_force)}
-        found |= modal_quantities(modal_result(rod, MODES))
-        prefix = f"{name}_" if len(rods) > 1 else ""
-        numbers |= {prefix + key: value for key, value in found.items()}
-        first += [found["mode_1_frequency"]] if "mode_1_frequency" in found else []
-    return replace(one, frame=replace(one.frame, surge_frequencies=surge or tuple(first))), numbers
+def _elements(prepared: PreparedRun) -> tuple[int, ...]:
+    """Elements per coil of the three meshes of springs alone."""
+    own = rods_of(prepared)[0].elements_per_coil
+    return (own, *(round(own * factor) for factor in DIVISION))
 
 
-def _prepare_variant(
-    shared: tuple[Problem, tuple[float, ...]], variant: tuple[str, tuple[InstalledSpring, ...]]
-) -> tuple[PreparedRun | None, Numbers, str]:
-    """A named variant, prepared with its static numbers, or why it cannot be."""
+def _further(job: _Job, ready: Mapping[str, Mapping[int, PreparedRun]]) -> Iterator[_Job]:
+    """The runs that judge one with the mesh and step of the case."""
+    member = ready[OWN][job.member].member
+    if member.gear is not None:
+        yield job._replace(variant="step 2", step=STEPS[0])
+        if not is_large(member):
+            yield job._replace(variant="step 3", step=STEPS[1])
+            yield job._replace(variant="samples", samples=SAMPLES)
+    for name, members in ready.items():
+        if name != OWN and job.member in members:
+            yield job._replace(variant=name)
+
+
+def _run(shared: _Shared, job: _Job) -> _Result:
+    """Headline numbers of one run and, where it failed, why."""
+    problem, ready, plan, windows = shared
+    prepared = ready.get(job.variant, ready[OWN])[job.member]
+    place = f"{place_of(prepared.member, job.variant)} at {job.engine_speed * 30 / np.pi:.0f} rpm"
     try:
-        return (*_prepare(shared, variant[1]), "")
+        solution = _solution(problem, plan, prepared, job)
+        window = windows.get(job.engine_speed)
+        if job.variant == OWN and problem.kind != TRAIN:
+            window = _window(prepared, solution)
+        if not solution.status.completed:
+            return _Result({}, window, f"{place}: {solution.status.sentence()}")
+        return _Result(_moving(solution, window, problem), window)
     except FAILURES as error:
-        return None, {}, f"{variant[0]}: {reason(error)}"
+        return _Result({}, None, f"{place}: {reason(error)}")
 
 
-def _rods(prepared: PreparedRun) -> tuple[FiniteElementRod, ...]:
-    springs = () if prepared.system is None else prepared.system.springs
-    return tuple(spring for spring in springs if isinstance(spring, FiniteElementRod))
-
-
-def _run(shared: tuple[Problem, Plan], point: tuple[PreparedRun, float]) -> Solution:
-    (problem, plan), (prepared, speed) = shared, point
-    provenance = provenance_of(problem, prepared.member, speed, "")
-    return with_quantities(prepared, integrate_point(prepared, speed, plan, provenance), plan, {})
-
-
-def _variants(base: PreparedRun) -> dict[str, tuple[InstalledSpring, ...]]:
-    """Installed springs of every variant but the case's own mesh."""
-    springs, rods = base.member.springs, _rods(base)
-    pairs = tuple(zip(springs, rods, strict=True))
-
-    def refined(ratio: float) -> tuple[InstalledSpring, ...]:
-        counts = (round(rod.elements_per_coil * ratio) for rod in rods)
-        return tuple(
-            spring.with_options("finite-element", elements_per_coil=count)
-            for spring, count in zip(springs, counts, strict=True)
-        )
-
-    variants = {f"mesh {n}": refined(REFINEMENTS[n - 1]) for n in (2, 3)}
-    variants["half step"] = tuple(
-        spring.with_options(
-            "finite-element", time_step=0.5 * (rod.time_step or rod.stable_time_step())
-        )
-        for spring, rod in pairs
-    )
-    for n, factor in enumerate(STIFFNESS_FACTORS, start=1):
-        variants[f"contact stiffness {n}"] = tuple(stiffened(spring, factor) for spring in springs)
-    for n, factor in enumerate(DAMPING_FACTORS, start=1):
-        variants[f"damping {n}"] = tuple(damped(spring, factor) for spring in springs)
-    return variants
+def _solution(problem: Problem, plan: Plan, prepared: PreparedRun, job: _Job) -> Solution:
+    system, step = prepared.system, None
+    if isinstance(system, TrainSystem) and (job.step != 1.0 or job.samples is not None):
+        chosen = TrainOptions(LARGE_SAMPLES if system.has_large_springs else TRAIN_SAMPLES)
+        default = runner(system, job.engine_speed / 2, chosen, rest=prepared.rest).time_step
+        step = default * job.step * (1 + 1e-9)
+    plan = plan if job.samples is None else replace(plan, samples=job.samples)
+    provenance = provenance_of(problem, prepared.member, job.engine_speed, "")
+    found, _ = integrate_from(prepared, job.engine_speed, plan, provenance, time_step=step)
+    return with_quantities(prepared, found, plan, {})
 
 
 def _window(base: PreparedRun, solution: Solution) -> ClashWindow | None:
@@ -336,47 +317,51 @@ def _window(base: PreparedRun, solution: Solution) -> ClashWindow | None:
     return find_clash_window(reported_cycle(solution), surge, event)
 
 
-def _moving(solution: Solution, window: ClashWindow | None, study: str) -> dict[str, float]:
-    """Headline numbers of a run; none of one that failed."""
-    if not solution.status.completed:
-        return {}
+def _moving(solution: Solution, window: ClashWindow | None, problem: Problem) -> Numbers:
+    """Headline numbers of a completed run, and of a train how far they scatter over its cycles."""
     found = dict(solution.quantities)
     if window is not None:
         found |= main_clash_quantities(reported_cycle(solution), window)
-    patterns = [
-        pattern_of(row.name) for row in tables().get(study, ()) if row.name.endswith("_force")
-    ]
-    sourced = (name for name in found if any(pattern.fullmatch(name) for pattern in patterns))
-    names = dict.fromkeys((*SPRING_HEADLINES, *sourced))
+    names = (*TRAIN_HEADLINES, *(f"cycle_scatter_{name}" for name in TRAIN_HEADLINES))
+    if problem.kind != TRAIN:
+        rows = tables().get(problem.record.study, ())
+        patterns = [pattern_of(row.name) for row in rows if row.name.endswith("_force")]
+        sourced = (name for name in found if any(pattern.fullmatch(name) for pattern in patterns))
+        names = tuple(dict.fromkeys((*SPRING_HEADLINES, *sourced)))
     return {name: float(found[name]) for name in names if name in found}
 
 
 def _rows(
-    values: Mapping[str, Mapping[float | None, Numbers]],
-    elements: tuple[int, ...],
-    speeds: Sequence[float | None],
-) -> list[Uncertainty]:
-    """Rows at ``speeds`` (None: statics and modes) of every number with a finer mesh and the halved
-    step.
+    values: Mapping[str, Numbers], speed: float | None, label: str, elements: tuple[int, ...]
+) -> Iterator[Uncertainty]:
+    """Rows at a speed (rad/s; None: statics and modes) of every number with a halved step, of springs alone also with a finer mesh,
+    of as many ``elements`` per coil; of a train there are none, and samples and scatter count too.
     """
-    rows = []
-    for speed in speeds:
-        for name, value in values[OWN].get(speed, {}).items():
+    for name, value in values.get(OWN, {}).items():
+        if not elements and (name not in TRAIN_HEADLINES or 0 < abs(value) < ROUNDING):
+            continue
 
-            def of(variant: str, speed: float | None = speed, name: str = name) -> float | None:
-                return values.get(variant, {}).get(speed, {}).get(name)
+        def of(variant: str, name: str = name) -> float | None:
+            return values.get(variant, {}).get(name)
 
-            halved = of("half step")
-            mesh = convergence(value, (of("mesh 2"), of("mesh 3")), elements)
-            if mesh is None or (halved is None and speed is not None):
-                continue
+        halved, sampled = of("step 2"), of("samples")
+        mesh = convergence(value, (of("mesh 2"), of("mesh 3")), elements or (1.0, *DIVISION))
+        if (halved is None and speed is not None) or (mesh is None and elements):
+            continue
+        meshes = 0.0 if mesh is None else mesh.uncertainty
+        if elements or halved is None:
+            assert mesh is not None
+            series = mesh
             # Second order in the step: a quarter of its error is left after halving.
             step = 0.0 if halved is None or speed is None else TRUSTED * 4 / 3 * abs(value - halved)
-            numerical = mesh.uncertainty + step
-            order, limit = mesh.observed_order, mesh.extrapolated
-            ranges = contact_ranges(value, of)
-            label = "" if speed is None else ROD
-            rows.append(
-                Uncertainty(name, speed, value, numerical, order, limit, step, *ranges, label)
-            )
-    return rows
+            bar = meshes + step
+        else:
+            steps = convergence(value, (halved, of("step 3")), (1.0, *(1 / one for one in STEPS)))
+            assert steps is not None
+            series, step = steps, steps.uncertainty
+            scatter = values[OWN].get(f"cycle_scatter_{name}", 0.0)
+            bar = step + meshes + ((0.0 if sampled is None else abs(sampled - value)) + scatter)
+        order, limit = series.observed_order, series.extrapolated
+        yield Uncertainty(
+            name, speed, value, bar, order, limit, step, *contact_ranges(value, of), label
+        )
