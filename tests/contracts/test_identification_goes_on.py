@@ -22,8 +22,7 @@ from valvetrain.cli.main import app
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.execution import Execution
-from valvetrain.explore.identify import computations_of, run_identification
-from valvetrain.explore.observe import numbers_of
+from valvetrain.explore.identify import computations_of, numbers_of, run_identification
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
 

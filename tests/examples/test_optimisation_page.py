@@ -12,15 +12,15 @@ import pytest
 
 from valvetrain.explore.engine import Engine
 from valvetrain.explore.files import FileText, LimitSpeedModel
-from valvetrain.explore.measure import measure_designs
-from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimise import case_of_plan, search_cost
-from valvetrain.explore.optimum_file import (
+from valvetrain.explore.measure import (
     ConstraintModel,
     ObjectiveModel,
     OptimumModel,
     SearchModel,
+    measure_designs,
 )
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimise import case_of_plan, search_cost
 from valvetrain.explore.requests import Optimise
 
 ROOT = Path(__file__).parents[2]

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from valvetrain import InputError
 from valvetrain.explore.files import FileText
+from valvetrain.explore.measure import OptimumModel
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.explore.requests import Optimise, Study
 from valvetrain.explore.study import StudyModel, read_plan
 

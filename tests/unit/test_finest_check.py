@@ -10,8 +10,8 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.files import FileText
+from valvetrain.explore.measure import OptimumModel
 from valvetrain.explore.objective import plan_of_experiment, read_optimum
-from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.views.results import answer_of
 
 WIRE = """

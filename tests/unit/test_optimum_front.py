@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from valvetrain.explore.files import FileText
-from valvetrain.explore.measure import Measured
+from valvetrain.explore.measure import Measured, OptimumModel
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, case_text
-from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.explore.search import Trial
 
 FILE = """

@@ -10,9 +10,9 @@ import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.explore import optimise
 from valvetrain.explore.files import FileText
+from valvetrain.explore.measure import OptimumModel
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_facts import SearchFacts
-from valvetrain.explore.optimum_file import OptimumModel
+from valvetrain.explore.optimum_rules import SearchFacts
 from valvetrain.parameters.templates import template_text
 
 FILE = """

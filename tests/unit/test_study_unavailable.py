@@ -10,7 +10,7 @@ from unit.cli_parts import SMALL
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import Run
-from valvetrain.explore.refusals import refuse_outputs
+from valvetrain.explore.study import refuse_outputs
 from valvetrain.quantities.request import PointRequest
 
 NAMES = (

@@ -15,16 +15,14 @@ from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
     Constraint,
-    Measure,
-    Objective,
-    tasks_of,
-)
-from valvetrain.explore.optimum_file import (
     ConstraintModel,
     GoalsModel,
+    Measure,
     MeasureModel,
+    Objective,
     OptimumModel,
     SearchModel,
+    tasks_of,
 )
 from valvetrain.explore.outputs import (
     Outputs,

@@ -22,8 +22,8 @@ from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, measure_designs
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum import Confirmed, Optimum
-from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
+from valvetrain.explore.study import refuse_outputs
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost
 from valvetrain.runs.workers import Progress, workers_here

@@ -12,8 +12,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.explore.optimum import Design, Optimum, case_text
-from valvetrain.explore.optimum_facts import SearchFacts, card_values
-from valvetrain.explore.optimum_rules import RULES
+from valvetrain.explore.optimum_rules import RULES, SearchFacts, card_values
 from valvetrain.explore.results import (
     ExploreAnswer,
     Write,

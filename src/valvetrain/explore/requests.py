@@ -89,9 +89,9 @@ class Optimise(FileRequest):
 
     def steps(self) -> Steps:
         """Those of a search."""
+        from valvetrain.explore.measure import OptimumModel
         from valvetrain.explore.objective import read_optimum
         from valvetrain.explore.optimise import run_search
-        from valvetrain.explore.optimum_file import OptimumModel
 
         return OptimumModel, read_optimum, run_search
 
