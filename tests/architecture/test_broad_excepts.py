@@ -17,7 +17,7 @@ KNOWN = {
     "compiled.py:KernelCache.load_overload": "the kernel is compiled again",
     "explore/evaluate.py:evaluate": "a point with the status refused and no number",
     "explore/evaluate.py:bars_of": "no error bars of the point",
-    "explore/identify.py:Observed.evaluate": "a point with the status refused and no number",
+    "explore/observe.py:Observed.evaluate": "a point with the status refused and no number",
     "parameters/own_parts.py:_object": "a part that equals no other",
     "views/motion/scene.py:moving_picture": "a note that the run is not drawn",
     "views/study_files.py:_section": "a gap on the page, with the reason",

@@ -22,7 +22,8 @@ from valvetrain.cli.main import app
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import Point, evaluate_case
 from valvetrain.explore.execution import Execution
-from valvetrain.explore.identify import computations_of, numbers_of, run_identification
+from valvetrain.explore.identify import run_identification
+from valvetrain.explore.observe import numbers_of
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
 
@@ -90,13 +91,14 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     """Preload and frequencies by a model alone, beside all its numbers at rest."""
     seat = '[measurements.seat]\nquantity = "preload"\nvalue = "250 N"\nscatter = "1 N"\nspring_model = "wave-rod"\n'
     request = identification_plan(FILE.format(method="nested") + seat, "card", folder)
-    values = zip(request.varied, (31e3, 0.044), strict=True)
-    case = vary(request.case, {row[0]: value for row, value in values})
+    case = vary(request.case, dict(zip(request.unknowns, (31e3, 0.044), strict=True)))
     whole = evaluate_case(
         case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
     ).values
-    for station in dict.fromkeys(one.station for one in request.targets if one.kind == "quantity"):
-        quick = numbers_of(case, station, request.targets)
+    for station in dict.fromkeys(
+        one.station for one in request.fitted.targets if one.kind == "quantity"
+    ):
+        quick = numbers_of(case, station, request.fitted.targets)
         assert quick == pytest.approx(
             {f"wave-rod: {name}": value for name, value in whole.items()}, rel=1e-12
         )
@@ -180,7 +182,7 @@ def test_points_of_one_fit_are_not_those_of_another_that_asks_more(folder: Path)
     plain = FILE.format(method="least-squares")
     other = plain.replace("6 g", "5 g").replace("least-squares", "nested") + seat
     compared, fitted, again = (
-        computations_of(identification_plan(text, "card", folder))[0].subject
+        identification_plan(text, "card", folder).fitted.subject
         for text in (plain + seat + "fit = false\n", plain + seat, other)
     )
     assert compared != fitted

@@ -83,7 +83,7 @@ def test_what_is_copied_from_a_guide_runs_in_an_empty_folder(path, tmp_path, mon
     elif kind == "optimise":
         assert Optimise.read({"file": file}).plan.measures
     elif kind == "identify":
-        assert Identify.read({"file": file}).plan.targets
+        assert Identify.read({"file": file}).plan.fitted.targets
     elif kind == "lift":
         assert read_lift(Path(file))
     else:

@@ -51,7 +51,7 @@ def test_the_plain_file_reads_as_it_is_meant() -> None:
     assert wire == Prior("normal", 3.5e-3, centre=4e-3, spread=wire.spread)
     assert wire.spread == pytest.approx(1e-4)
     assert damping.spread == pytest.approx(math.log(1.5)) and (pitch.low, pitch.high) == (0.9, 1.1)
-    assert request.varied[2][0].operation == "factor"
+    assert request.unknowns[2].operation == "factor"
     data = {datum.key: datum for datum in request.data}
     assert data["preload"].scatter == pytest.approx(2.12)
     assert data["force at 8 mm"].value == 240.0 and data["mode_2_frequency"].value == 800.0
@@ -64,7 +64,7 @@ def test_tables_beside_the_file_are_read_with_their_units(tmp_path: Path) -> Non
     tree = copy.deepcopy(PLAIN)
     tree["measurements"] = {"curve": {"file": "curve.csv", "scatter": "1 lbf"}}
     request = identification_plan(toml_text(tree), "test", tmp_path)
-    assert [one.at for one in request.targets if one.kind == "force"] == pytest.approx(
+    assert [one.at for one in request.fitted.targets if one.kind == "force"] == pytest.approx(
         [2.54e-3, 5.08e-3]
     )
     assert [datum.value for datum in request.data] == pytest.approx([88.96443, 177.92886])

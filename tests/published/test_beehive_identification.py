@@ -15,7 +15,6 @@ from beehive_package import beehive_package  # noqa: F401
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import IdentificationPlan
-from valvetrain.explore.identify import computations_of
 from valvetrain.explore.requests import Identify
 from valvetrain.parameters.loading import LIBRARY
 
@@ -77,10 +76,9 @@ def test_the_search_computes_every_target_of_the_shipped_case(
     request_of_package: IdentificationPlan,
 ) -> None:
     """On a coarse mesh, beside the numbers of docs/beehive.md, in a worker of its own."""
-    coarse = replace(request_of_package, options=(("elements_per_coil", 12),))
-    names = tuple(one.name for one in coarse.unknowns)
-    found = computations_of(coarse)[0].evaluate(SPEC.values(names), ()).values
-    assert {datum.key for datum in coarse.data} <= set(found)
+    names = tuple(one.title for one in request_of_package.unknowns)
+    found = SPEC.points(names, {"elements_per_coil": 12})(SPEC.values(names))
+    assert {datum.key for datum in request_of_package.data} <= set(found)
     assert found["preload"] == pytest.approx(288.9, rel=2e-3)
     assert found["stage_2_peak_force"] == pytest.approx(816.5, rel=2e-3)
     # the free swing to 120 degrees, not the study's Stage I, whose range is 18.9 N

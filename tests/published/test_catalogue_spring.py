@@ -26,7 +26,7 @@ def test_wire_and_closed_coils_are_those_of_the_formulas() -> None:
     """With even priors, so that the data alone speak."""
     request = Identify.read({"file": ROOT / "examples" / "identify-spring.toml"}).plan
     wire, closed, pitch = request.unknowns
-    free = (wire, replace(closed, prior=Prior("uniform", 0.85, 1.5)), pitch)
+    free = (wire, replace(closed, distribution=Prior("uniform", 0.85, 1.5)), pitch)
     found = run_identification(
         replace(request, unknowns=free, search=request.search.model_copy(update={"draws": 1})),
         Execution(workers=1),

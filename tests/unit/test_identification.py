@@ -15,15 +15,15 @@ from valvetrain.explore.draws import linear_draws
 from valvetrain.explore.identification_file import Method, Search
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.least_squares import least_squares
-from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.posterior import Datum, Posterior
 from valvetrain.explore.solve import solve
-from valvetrain.explore.space import Prior
+from valvetrain.explore.space import Prior, Varied
 from valvetrain.explore.store import Store
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
 WIDE = (
-    Unknown("rate", Prior("uniform", 30e3, 60e3)),
-    Unknown("mass", Prior("uniform", 0.02, 0.09)),
+    Varied("rate", distribution=Prior("uniform", 30e3, 60e3)),
+    Varied("mass", distribution=Prior("uniform", 0.02, 0.09)),
 )
 
 
@@ -48,7 +48,7 @@ SPRING = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers)
 
 def solved(posterior: Posterior, search: Search) -> Identified:
     with Store(None) as journal:
-        return solve(posterior, search, journal, start=np.array([50e3, 0.04]))
+        return solve(posterior, search, journal, np.array([50e3, 0.04]))
 
 
 def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
@@ -86,7 +86,9 @@ def test_an_impossible_start_is_refused() -> None:
     "method", ["least-squares", pytest.param("nested", marks=pytest.mark.long)]
 )
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
-    stiff = replace(SPRING, unknowns=(Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1]))
+    stiff = replace(
+        SPRING, unknowns=(Varied("rate", distribution=Prior("uniform", 59.1e3, 60e3)), WIDE[1])
+    )
     with pytest.raises(InputError, match="computed"):
         solved(stiff, Search(method, live_points=20))
 
@@ -148,7 +150,9 @@ def test_a_linearised_posterior_is_noted_where_it_does_not_hold(
     """Data b tanh(x / b): straight lines for a large b, whose posterior is normal; for a small b
     they flatten off beside the peak.
     """
-    unknowns = tuple(Unknown(f"x{place}", Prior("uniform", -50.0, 50.0)) for place in range(count))
+    unknowns = tuple(
+        Varied(f"x{place}", distribution=Prior("uniform", -50.0, 50.0)) for place in range(count)
+    )
 
     def told(points: np.ndarray) -> list[dict[str, float]]:
         return [

@@ -51,8 +51,8 @@ CURVES = [
 def test_a_curve_is_over_height_or_compression_as_its_headings_say(tmp_path, table, more, kind):
     """3 and 5 mm with 90 and 150 N in every form, other columns left out."""
     request = read(tmp_path, table, more)
-    assert {one.kind for one in request.targets} == {kind}
-    np.testing.assert_allclose([one.at for one in request.targets], [3e-3, 5e-3], rtol=1e-6)
+    assert {one.kind for one in request.fitted.targets} == {kind}
+    np.testing.assert_allclose([one.at for one in request.fitted.targets], [3e-3, 5e-3], rtol=1e-6)
     np.testing.assert_allclose([datum.value for datum in request.data], [90.0, 150.0], rtol=1e-6)
 
 

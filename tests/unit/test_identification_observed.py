@@ -12,8 +12,9 @@ from study_parts import identification_plan
 from valvetrain.errors import InputError
 from valvetrain.explore.execution import Execution
 from valvetrain.explore.identification_file import Search
-from valvetrain.explore.identify import numbers_of, run_identification
+from valvetrain.explore.identify import run_identification
 from valvetrain.explore.measurements import Target
+from valvetrain.explore.observe import numbers_of
 from valvetrain.explore.outputs import Run
 from valvetrain.parameters.toml_text import toml_text
 
@@ -42,7 +43,7 @@ def test_peaks_are_those_of_the_run(tmp_path) -> None:
     names = {"peak_spring_force": "500 N", "peak_spring_force_cam_angle": "90 deg"}
     measured = {name: {**moving, "quantity": name, "value": value} for name, value in names.items()}
     request = request_of(measured, tmp_path, case="vaz-ohc", quantities=LASH)
-    numbers = numbers_of(request.case, request.targets[0].station, request.targets)
+    numbers = numbers_of(request.case, request.fitted.targets[0].station, request.fitted.targets)
     (run,) = vt.simulate(request.case, "4136 rpm", models=["modal-uniform"]).solutions
     assert list(numbers.values()) == [run.quantities[name] for name in names]
 
@@ -59,7 +60,7 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         },
         tmp_path,
     )
-    found = numbers_of(request.case, request.targets[0].station, request.targets)
+    found = numbers_of(request.case, request.fitted.targets[0].station, request.fitted.targets)
     curve = vt.static_curve("job-t", "10 mm", models="multi-mass", steps=5)
     assert list(found.values()) == pytest.approx(
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
@@ -86,7 +87,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
         InputError,
         match="4 springs of the case could be meant; give spring, one of 'outer', 'inner'",
     ):
-        numbers_of(request.case, request.targets[0].station, request.targets)
+        numbers_of(request.case, request.fitted.targets[0].station, request.fitted.targets)
     forces = []
     for name in ("outer", "inner"):
         named = request_of(
@@ -95,7 +96,9 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
             case="vaz-ohc",
             quantities=LASH,
         )
-        (value,) = numbers_of(named.case, named.targets[0].station, named.targets).values()
+        (value,) = numbers_of(
+            named.case, named.fitted.targets[0].station, named.fitted.targets
+        ).values()
         forces.append(value)
     assert forces[0] > forces[1] > 0, "the outer spring is the stronger one"
 

@@ -12,8 +12,8 @@ from scipy.special import ndtr
 
 from valvetrain.explore.draws import draws_of_peak
 from valvetrain.explore.least_squares import Peak, covariance_of, least_squares
-from valvetrain.explore.posterior import Datum, Posterior, Unknown
-from valvetrain.explore.space import Prior
+from valvetrain.explore.posterior import Datum, Posterior
+from valvetrain.explore.space import Prior, Varied
 
 BEGIN = np.array([0.25, 3.0])
 
@@ -27,7 +27,10 @@ def line(asked: list[tuple[float, float]]) -> Posterior:
         asked.extend(map(tuple, points))
         return [{"sum": a + b, "difference": a - b} for a, b in points]
 
-    unknowns = Unknown("a", Prior("uniform", -4.0, 4.0)), Unknown("b", Prior("uniform", 0.0, 9.0))
+    unknowns = (
+        Varied("a", distribution=Prior("uniform", -4.0, 4.0)),
+        Varied("b", distribution=Prior("uniform", 0.0, 9.0)),
+    )
     return Posterior(unknowns, (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)), evaluate)
 
 

@@ -109,7 +109,12 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     >>> thinner == vt.load_case("gu2021-beehive", {"spring.wire_diameter": "0.0037 m"})
     True
     """
-    own = {varied: float(value) for varied, value in values.items() if varied.key != ENGINE_SPEED}
+    own = {
+        part: float(value)
+        for varied, value in values.items()
+        for part in varied.parts
+        if part.key != ENGINE_SPEED
+    }
     if not own:
         return case
     changes: dict[str, Any] = {}

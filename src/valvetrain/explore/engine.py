@@ -44,7 +44,9 @@ _OF_FUNCTION = (InputError, ArithmeticError, ValueError)
 
 
 class Computation(ABC):
-    """What an engine computes at points: of every point each of its ``tasks``."""
+    """What an engine computes at points: of every point each of its ``tasks``, ``together`` points in a job."""
+
+    together = 1
 
     @property
     def tasks(self) -> tuple[Any, ...]:
@@ -185,8 +187,7 @@ class Evaluation(Computation):
             text = content((
                 case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,
             )).decode()  # fmt: skip
-        keys = [[one.key, one.operation, one.si_unit] for one in self.space]
-        return [text, keys, versions_digest()]
+        return [text, self.space.identity, versions_digest()]
 
     def key_of_output(self, name: str, task: Task) -> str:
         """The key of an output for measurements: its name, behind engine speed, model and set where

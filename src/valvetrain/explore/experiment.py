@@ -15,7 +15,6 @@ from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.samplers import listed
 from valvetrain.explore.samplers import sampler as find_sampler
-from valvetrain.explore.space import Prior, Varied
 from valvetrain.explore.study import run_experiment
 from valvetrain.explore.table import StudyTable
 from valvetrain.runs.stopping import shows_progress
@@ -116,16 +115,8 @@ class Experiment(Evaluation):
         """The quantities that agree with measurements, with the distributions of the space as
         priors. The key of a datum is that of ``key_of_output``.
         """
-        from valvetrain.explore.identification_file import Search
-        from valvetrain.explore.identify import Sought, identify_sought
-        from valvetrain.explore.posterior import Unknown
+        from valvetrain.explore.identification_file import IdentificationPlan, Search
+        from valvetrain.explore.identify import run_identification
 
-        unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in self.space)
-        sought, watch = Sought(unknowns, tuple(measurements), self), Watch(progress or silent)
-        return identify_sought(sought, search or Search(), Execution.read(execution), watch)
-
-
-def _prior_of(one: Varied) -> Prior:
-    if not isinstance(one.distribution, Prior):
-        raise InputError("is a list of values, which is no prior; give a distribution", one.name)
-    return one.distribution
+        plan = IdentificationPlan(self.space, tuple(measurements), self, search=search or Search())
+        return run_identification(plan, Execution.read(execution), Watch(progress or silent))

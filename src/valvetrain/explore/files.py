@@ -119,7 +119,7 @@ class VaryModel(StrictModel):
     by ``shape``. ``distribution`` names what these say, and makes a range logarithmic.
     """
 
-    key: str
+    key: str | list[str] = ""
     varied: Annotated[Operation, Field(alias="as")] = "value"
     unit: str = ""
     label: Line = ""
@@ -269,8 +269,9 @@ class FileText(Generic[FileModel]):
     def space(self) -> Space:
         """What the file varies, each quantity once."""
         model: Any = self.model
+        case = None if getattr(model, "evaluator", "") else self.case
         varied = [
-            self.guarded(("vary", index), lambda one=one: varied_of_table(one, self.case))
+            self.guarded(("vary", index), lambda one=one: varied_of_table(one, case))
             for index, one in enumerate(model.vary)
         ]
         space: Space = self.guarded(("vary",), lambda: Space(varied))
@@ -323,9 +324,19 @@ def case_words(text: FileText[Any]) -> list[str]:
 
 def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
     """A varied quantity with its distribution; units of its numbers must agree with each other and
-    with the case. Without a case nothing is read from it.
+    with the case. Without a case, for an evaluator, it has a label alone.
     """
-    way = one.way
+    way, keys = one.way, [one.key] if isinstance(one.key, str) else one.key
+    if case is None:
+        if any(keys):
+            raise problem("is no key of an evaluator; give a label alone", ("key",))
+        keys = [one.label]
+    if not keys or not all(keys):
+        reason = (
+            'is missing; say which value of the case it is, such as key = "spring.wire_diameter"'
+        )
+        raise problem(reason, ("key",))
+    key, *also = keys
     if case is None and way == "tolerance":
         raise InputError("is about a value of a case, and there is none; give the distribution")
     listed = [one.values] if isinstance(one.values, str) else one.values or []
@@ -343,24 +354,24 @@ def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
     )
     share = way == "tolerance" and unit_of(str(one.tolerance)) == "%"  # of the case's own value
     if share:
-        unit = unit_in_case(case, one.key) if case and one.varied == "value" else ""
-    bare = Varied(one.key, unit, one.varied, label=one.label)
+        unit = unit_in_case(case, key) if case and one.varied == "value" else ""
+    bare = Varied(key, unit, one.varied, label=one.label, also=tuple(also))
     dimension = dimension_of(unit) if unit else "ratio"
-    if one.key == ENGINE_SPEED and (dimension != "angular speed" or one.varied != "value"):
+    if key == ENGINE_SPEED and (dimension != "angular speed" or one.varied != "value"):
         raise InputError(
             "is an engine speed, which is varied by its value in rpm; write such as low = '4000 rpm'",
-            one.key,
+            key,
         )
 
     def number(raw: Any, otherwise: float = math.nan) -> float:
-        return otherwise if raw is None else parse_quantity(raw, dimension, one.key)
+        return otherwise if raw is None else parse_quantity(raw, dimension, key)
 
     distribution: Distribution
     low, high = number(one.low, -math.inf), number(one.high, math.inf)
     if way == "values":
-        distribution = Values(parse_quantities(one.values, dimension, one.key))
+        distribution = Values(parse_quantities(one.values, dimension, key))
         if len(distribution.values) > MAX_POINTS:
-            raise InputError("has too many values; give fewer", one.key)
+            raise InputError("has too many values; give fewer", key)
     elif way == "low":
         distribution = Prior(
             "log-uniform" if one.distribution == "log-uniform" else "uniform", low, high
@@ -374,7 +385,7 @@ def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
         assert case is not None
         middle = nominal(case, bare)
         reach = (
-            abs(middle) * parse_quantity(one.tolerance, "ratio", one.key)
+            abs(middle) * parse_quantity(one.tolerance, "ratio", key)
             if share
             else number(one.tolerance)
         )
@@ -382,7 +393,7 @@ def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
             raise InputError(
                 "has a tolerance of zero or less, or a share of a value that is zero in the case; give "
                 "how far it goes either way, with its unit",
-                one.key,
+                key,
             )
         low, high = middle - reach, middle + reach
         distribution = (
@@ -393,7 +404,7 @@ def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
     distribution = replace(distribution, dimension=bare.dimension)
     if isinstance(distribution, Prior):
         distribution = replace(distribution, source=one.source)
-    varied = Varied(one.key, unit, one.varied, distribution, one.label)
+    varied = replace(bare, distribution=distribution)
     if case is not None:
         _refuse_impossible(case, varied)
     return varied

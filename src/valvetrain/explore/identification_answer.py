@@ -70,18 +70,18 @@ class IdentificationAnswer(ExploreAnswer):
 
     def _unknown(self, place: int) -> Line:
         facts, one = self.facts, self.result.unknowns[place]
-        state, others = facts.states[one.name], range(1, len(self.result.branches))
+        state, others = facts.states[one.title], range(1, len(self.result.branches))
         remark = {
             "tied": f"only together with {few(facts.partners(place))}", "open": "the data say little",
             "bound": "on the bound of its prior", "determined": "",
         }[state]  # fmt: skip
         if others and state == "determined":
             remark = f"or {joined([facts.value(one, branch) for branch in others], 'or')}"
-        start = self.result.start.get(one.name, np.nan)
+        start = self.result.start.get(one.title, np.nan)
         value = "not determined" if state in ("tied", "open") else facts.value(one)
         doubt = others or state != "determined" or {"I101", "I102"} & set(self.findings.codes)
         sure: Mark = "warn" if doubt else "" if "I112" in self.findings.codes else "ok"
-        return Line(plain_name(one.name), (value_text(one.unit, start), value, facts.interval(one)), sure, remark)  # fmt: skip
+        return Line(plain_name(one.title), (value_text(one.unit, start), value, facts.interval(one)), sure, remark)  # fmt: skip
 
     def _data(self, used: bool) -> Line:
         """How many values are met at the start and in the end, and how far the worst one is off."""
@@ -132,9 +132,9 @@ class IdentificationAnswer(ExploreAnswer):
 
     def _unknowns(self, branch: Branch) -> Iterator[tuple[str, ...]]:
         for one, told in zip(self.result.unknowns, branch.information.determined, strict=True):
-            interval, prior = branch.quantities[one.name], one.prior
+            interval, prior = branch.quantities[one.title], one.prior
             yield (
-                plain_name(one.name), value_text(one.unit, self.result.start.get(one.name, np.nan)), *_numbers(one.unit, interval),
+                plain_name(one.title), value_text(one.unit, self.result.start.get(one.title, np.nan)), *_numbers(one.unit, interval),
                 f"{value_text(one.unit, *prior.at([0.005, 0.995]).tolist())}, {prior.kind}", prior.source, f"{100 * told:.0f}",
             )  # fmt: skip
 
@@ -158,7 +158,7 @@ class IdentificationAnswer(ExploreAnswer):
             "name", "method", "whole", "start", "branches", "predicted", "predictions", "log_evidence",
             "evidence_kind", "note", "evaluations", "reused",
         )  # fmt: skip
-        units = {one.name: si_unit(one.unit) for one in result.unknowns}
+        units = {one.title: si_unit(one.unit) for one in result.unknowns}
         data = {name: fields_of(getattr(result, name)) for name in names}
         return {**data, "units": units, "completed": result.whole}
 
@@ -213,10 +213,10 @@ def unknowns(facts: IdentificationFacts) -> go.Figure:
     rows, colours = [], []
     for one in (result.unknowns[place] for place in order):
         low, high = one.prior.work_bounds if one.prior.flat else one.prior.work(one.prior.at([0.005, 0.995]))  # fmt: skip
-        found = facts.first.quantities[one.name]
-        values = np.array([found.best, found.low, found.high, result.start.get(one.name, np.nan)])
+        found = facts.first.quantities[one.title]
+        values = np.array([found.best, found.low, found.high, result.start.get(one.title, np.nan)])
         rows.append(100 * (one.prior.work(values) - low) / (high - low))
-        colours.append(BAD if facts.states[one.name] in ("tied", "open") else LEAD)
+        colours.append(BAD if facts.states[one.title] in ("tied", "open") else LEAD)
     names = [plain_name(result.names[place]) for place in order]
     return rows_figure(names, np.array(rows), colours, "share of the range of the prior, %", (-3, 103))  # fmt: skip
 

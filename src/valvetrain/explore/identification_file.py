@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from valvetrain.arrays import Array
 from valvetrain.errors import InputError
+from valvetrain.explore.case_paths import nominal
+from valvetrain.explore.engine import Computation
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
     FileText,
     VaryModel,
-    varied_of_table,
 )
-from valvetrain.explore.measurements import PredictionModel, Target, read_measurement
-from valvetrain.explore.posterior import Datum, Unknown
-from valvetrain.explore.space import Prior, Varied
+from valvetrain.explore.measurements import PredictionModel, Target, TargetData, read_measurement
+from valvetrain.explore.observe import FunctionPoints, Observed
+from valvetrain.explore.posterior import Datum, Numbers
+from valvetrain.explore.space import Space
+from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
 from valvetrain.registry import find
@@ -96,68 +101,54 @@ class Search(StrictModel):
         return (self.starts if self.keep else 0) + searched * each + self.draws + after
 
 
-class UnknownModel(VaryModel):
-    """A quantity that is looked for: a ``key`` of the case, or several that move alike; none of an
-    evaluator, which knows it by its label.
-    """
-
-    key: str | list[str] = ""  # type: ignore[assignment]
-
-
 class IdentificationModel(CaseModel):
     """The whole file; ``search`` holds the options of a :class:`Search`."""
 
     what = "identification file"
     evaluator: str = ""
     options: dict[str, float] = Field(default_factory=dict)
-    vary: list[UnknownModel] = Field(min_length=1, max_length=MAX_VARIED)
+    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     measurements: dict[Line, Any] = Field(min_length=1)
     predictions: dict[Line, PredictionModel] = Field(default_factory=dict)
     search: dict[str, Any] = Field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class IdentificationPlan:
-    """An identification as a file plans it.
+    """The ``unknowns``, the ``data``, and what computes points of both.
 
-    ``evaluator``: name of a package's evaluator of points (:class:`PointEvaluator`), empty for the
-    case itself; ``options`` are its numbers. ``varied``: the keys of each unknown.
+    ``compared``: what computes, for the draws alone, numbers that are not fitted. ``start``: values (SI) of
+    the case, None where it has no single ones. ``units`` of computed numbers by key. ``text``: that of the file.
     """
 
-    title: str
-    case: Case
-    unknowns: tuple[Unknown, ...]
-    varied: tuple[tuple[Varied, ...], ...]
+    unknowns: Space
     data: tuple[Datum, ...]
-    targets: tuple[Target, ...]
-    search: Search
-    evaluator: str
-    options: tuple[tuple[str, float], ...]
-    text: str
+    fitted: Computation
+    compared: Computation | None = None
+    search: Search = Search()
+    start: tuple[float, ...] | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+    case: Case | None = None
+    title: str = ""
+    text: str = ""
 
 
 def read_identification(file: FileText[IdentificationModel]) -> IdentificationPlan:
     """The plan of an identification file. Raises :class:`InputError`, one sentence with file, line and key."""
-    model, case = file.model, file.case
-    evaluator: PointEvaluator | None = None
-    if model.evaluator:
-        evaluator = file.guarded(("evaluator",), lambda: evaluator_of(model.evaluator))
-    found = [_unknown(file, place, case) for place in range(len(model.vary))]
-    unknowns, varied = tuple(one for one, _ in found), tuple(keys for _, keys in found)
-    names = tuple(one.name for one in unknowns)
-    options = tuple(model.options.items())
-    if options and not model.evaluator:
+    model, case, word = file.model, file.case, file.model.evaluator
+    evaluator = file.guarded(("evaluator",), lambda: evaluator_of(word)) if word else None
+    space = file.space
+    for place, one in enumerate(space):
+        file.guarded(("vary", place, "values"), lambda one=one: one.prior)
+    names, options = tuple(one.title for one in space), dict(model.options)
+    if options and not word:
         raise file.located(("options",), "belongs to an evaluator; name it, or leave it out")
-    if evaluator is not None:  # it refuses names and options that it does not know
-        file.guarded(("options",), lambda: evaluator.points(names, model.options))
     data = [
         pair
         for one, table in model.measurements.items()
         for pair in file.guarded(
             ("measurements", one),
-            lambda one=one, table=table: read_measurement(
-                one, table, file.folder, bool(model.evaluator)
-            ),
+            lambda one=one, table=table: read_measurement(one, table, file.folder, bool(word)),
         )
     ]
     requested = [
@@ -165,51 +156,53 @@ def read_identification(file: FileText[IdentificationModel]) -> IdentificationPl
         for one, table in model.predictions.items()
     ]
     search = file.guarded(("search",), lambda: _search(model.search))
+    targets = tuple(dict.fromkeys([*(target for target, _ in data), *requested]))
+    compared: Computation | None = None
+    start: tuple[float, ...] | None = None
+    if evaluator is not None:  # it refuses names and options that it does not know
+        function = file.guarded(("options",), lambda: evaluator.points(names, options))
+        subject = [word, names, options, versions_digest()]
+        fitted: Computation = FunctionPoints(partial(_one_by_one, function), subject)
+        start = tuple(evaluator.values(names))
+    else:
+        fitted, compared = _computations(case, space, data, targets)
+        try:
+            start = tuple(nominal(case, one) for one in space)
+        except InputError as error:
+            if search.from_case:
+                raise InputError(f"{error.where} {error.reason}", "search.from_case") from None
     return IdentificationPlan(
-        title=model.title or file.where.removesuffix(".toml").replace("_", " "),
-        case=case,
-        unknowns=unknowns,
-        varied=varied,
-        data=tuple(datum for _, datum in data),
-        targets=tuple(dict.fromkeys([*(target for target, _ in data), *requested])),
-        search=search,
-        evaluator=model.evaluator,
-        options=options,
-        text=file.text,
+        space,
+        tuple(datum for _, datum in data),
+        fitted,
+        compared,
+        search,
+        start,
+        {one.key: one.unit for one in targets},
+        None if word else case,
+        model.title or file.where.removesuffix(".toml").replace("_", " "),
+        file.text,
     )
+
+
+def _computations(
+    case: Case, space: Space, data: TargetData, targets: tuple[Target, ...]
+) -> tuple[Computation, Computation | None]:
+    """What computes the points of a case under the conditions of which something is fitted, and under the others."""
+    fitted, measured = {one.station for one, datum in data if datum.used}, {one for one, _ in data}
+    first = tuple(one for one in targets if one.station in fitted and one in measured)
+    later = tuple(one for one in targets if one not in first)
+    return Observed(case, space, first), Observed(case, space, later) if later else None
+
+
+def _one_by_one(function: Callable[[Sequence[float]], Numbers], points: Array) -> list[Numbers]:
+    return [function(row) for row in points.tolist()]
 
 
 def evaluator_of(name: str) -> PointEvaluator:
     """The evaluator of points that a package lists under ``name``."""
     found: PointEvaluator = find("evaluators", name, "evaluator")
     return found
-
-
-def _unknown(
-    file: FileText[IdentificationModel], place: int, case: Case
-) -> tuple[Unknown, tuple[Varied, ...]]:
-    """A quantity with its prior, and its keys of the case; without any for an evaluator."""
-    table = file.model.vary[place]
-    keys = [table.key] if isinstance(table.key, str) else table.key or [""]
-    name = table.label or keys[0]
-    if file.model.evaluator and any(keys):
-        raise file.located(("vary", place, "key"), "is no key of an evaluator; give a label alone")
-    if not file.model.evaluator and not all(keys):
-        raise file.located(
-            ("vary", place, "key"),
-            'is missing; say which value of the case it is, such as key = "spring.wire_diameter"',
-        )
-    tables = [table.model_copy(update={"key": key or name}) for key in keys]
-    subject = None if file.model.evaluator else case
-    varied = [
-        file.guarded(("vary", place), lambda one=one: varied_of_table(one, subject))
-        for one in tables
-    ]
-    prior, unit = varied[0].distribution, varied[0].unit
-    if not isinstance(prior, Prior):
-        raise file.located(("vary", place, "values"), "is a list, which is no prior; give another")
-    bare = tuple(Varied(one.key, unit, one.operation) for one in varied)
-    return Unknown(name, prior, unit), () if file.model.evaluator else bare
 
 
 def _search(given: dict[str, Any]) -> Search:

@@ -11,8 +11,9 @@ import numpy as np
 
 from valvetrain.explore.identified import Branch, Identified, Predicted
 from valvetrain.explore.least_squares import MET, ON_BOUND
-from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.posterior import Datum
 from valvetrain.explore.results import value_text
+from valvetrain.explore.space import Varied
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import digits_text, joined
 
@@ -58,12 +59,14 @@ class IdentificationFacts(Subject):
     @cached_property
     def states(self) -> dict[str, State]:
         """What the data say of each unknown; of a search that was stopped nothing is judged."""
-        return {one.name: self._state(place, one) for place, one in enumerate(self.result.unknowns)}
+        return {
+            one.title: self._state(place, one) for place, one in enumerate(self.result.unknowns)
+        }
 
-    def _state(self, place: int, one: Unknown) -> State:
+    def _state(self, place: int, one: Varied) -> State:
         if not self.result.whole:
             return "determined"
-        best = float(one.prior.work(self.first.quantities[one.name].best))
+        best = float(one.prior.work(self.first.quantities[one.title].best))
         if min(np.abs(best - np.array(one.prior.work_bounds))) <= ON_BOUND * one.prior.work_spread:
             return "bound"
         if self.partners(place):
@@ -79,15 +82,15 @@ class IdentificationFacts(Subject):
         """Names of the unknowns of which the data say such."""
         return [plain_name(name) for name, state in self.states.items() if state in states]
 
-    def value(self, one: Unknown, branch: int = 0) -> str:
+    def value(self, one: Varied, branch: int = 0) -> str:
         """The likeliest value of an unknown in the digits of its interval."""
-        found = self.result.branches[branch].quantities[one.name]
+        found = self.result.branches[branch].quantities[one.title]
         return value_text(one.unit, found.best, bar=(found.high - found.low) / 4)
 
-    def interval(self, one: Unknown) -> str:
+    def interval(self, one: Varied) -> str:
         """Its 95 % interval; of an unknown that the data do not determine in two digits."""
-        found = self.first.quantities[one.name]
-        vague = self.states[one.name] in ("tied", "open")
+        found = self.first.quantities[one.title]
+        vague = self.states[one.title] in ("tied", "open")
         bar, digits = (0.0, 2) if vague else ((found.high - found.low) / 4, 4)
         return value_text(one.unit, found.low, found.high, bar=bar, digits=digits)
 
@@ -144,10 +147,12 @@ def branches(facts: IdentificationFacts) -> Iterator[Hit]:
     if len(every) > 1:
         one = max(
             facts.result.unknowns,
-            key=lambda one: np.ptp([one.prior.work(each.quantities[one.name].best) for each in every]) / one.prior.work_spread,
+            key=lambda one: np.ptp([one.prior.work(each.quantities[one.title].best) for each in every]) / one.prior.work_spread,
         )  # fmt: skip
         values = joined([facts.value(one, branch) for branch in range(len(every))], "or")
-        yield Hit(fields={"count": str(len(every)), "name": plain_name(one.name), "values": values})
+        yield Hit(
+            fields={"count": str(len(every)), "name": plain_name(one.title), "values": values}
+        )
 
 
 def determined(facts: IdentificationFacts) -> Iterator[Hit]:
@@ -155,7 +160,7 @@ def determined(facts: IdentificationFacts) -> Iterator[Hit]:
     unknowns, used = facts.result.unknowns, facts.data(True)
     several, more = len(unknowns) > 1, len(used) > len(unknowns)
     values = [
-        f"{plain_name(one.name) if several else ''} {facts.value(one)}" for one in unknowns[:3]
+        f"{plain_name(one.title) if several else ''} {facts.value(one)}" for one in unknowns[:3]
     ]
     yield Hit(fields={
         "subject": f"all {len(unknowns)} unknowns" if several else plain_name(unknowns[0].name), "values": joined(values).strip(),

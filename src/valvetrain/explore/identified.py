@@ -18,7 +18,7 @@ from valvetrain.arrays import Array
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import even_places
 from valvetrain.explore.least_squares import Fit, Information
-from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.posterior import Datum
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.changes import nearest
@@ -129,7 +129,7 @@ class Identified(Reported):
     report_word = "points"
 
     method: str
-    unknowns: tuple[Unknown, ...]
+    unknowns: tuple[Varied, ...]
     branches: tuple[Branch, ...]
     values: Array
     branch_of: NDArray[np.int64]
@@ -160,7 +160,7 @@ class Identified(Reported):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the quantities that were looked for."""
-        return tuple(one.name for one in self.unknowns)
+        return tuple(one.title for one in self.unknowns)
 
     @property
     def best(self) -> Mapping[str, float]:
@@ -184,7 +184,7 @@ class Identified(Reported):
 
         units = {one.key: one.unit for one in (*self.predictions, *self.predicted)}
         data: dict[str, Any] = {
-            one.name: ("draw", column, {"units": si_unit(one.unit)})
+            one.title: ("draw", column, {"units": si_unit(one.unit)})
             for one, column in zip(self.unknowns, self.values.T, strict=True)
         } | {
             f"computed {key}": ("draw", column, {"units": si_unit(units.get(key, ""))})

@@ -14,7 +14,7 @@ from scipy.special import ndtr
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.space import Prior
+from valvetrain.explore.space import Varied
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +68,6 @@ Numbers = Mapping[str, float] | None
 Evaluate = Callable[[Array], Sequence[Numbers]]
 
 
-@dataclass(frozen=True)
-class Unknown:
-    """A quantity to be identified: ``name``, its ``prior``, and the ``unit`` it is shown in."""
-
-    name: str
-    prior: Prior
-    unit: str = ""
-
-
 @dataclass(frozen=True, eq=False)
 class Posterior:
     """``unknowns`` with their independent priors, ``data`` and the computation ``evaluate`` between them.
@@ -84,12 +75,12 @@ class Posterior:
     Raises :class:`InputError` for none of either and for names that occur twice.
     """
 
-    unknowns: tuple[Unknown, ...]
+    unknowns: Sequence[Varied]
     data: tuple[Datum, ...]
     evaluate: Evaluate
 
     def __post_init__(self) -> None:
-        names = [one.name for one in self.unknowns]
+        names = self.names
         if not names or not self.used:
             raise InputError(
                 "an identification needs one quantity to find and one measurement that is used, or more"
@@ -105,7 +96,7 @@ class Posterior:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the unknowns."""
-        return tuple(one.name for one in self.unknowns)
+        return tuple(one.title for one in self.unknowns)
 
     def each(self, method: str, columns: Array) -> Array:
         """A ``method`` of every prior over its column of ``columns`` (n, quantities)."""

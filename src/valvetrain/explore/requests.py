@@ -278,7 +278,14 @@ def identify(
         raise InputError(
             "a computation is missing; give evaluate, or the path of an identification file"
         )
-    from valvetrain.explore.identify import identify_points
+    from valvetrain.explore.identification_file import IdentificationPlan
+    from valvetrain.explore.identify import TOGETHER, run_identification
+    from valvetrain.explore.observe import FunctionPoints
+    from valvetrain.explore.space import Space
 
-    output = Execution.read(options).output
-    return identify_points(quantities, measurements, evaluate, search, output, watch)
+    space, data = Space(quantities), tuple(measurements)
+    points = FunctionPoints(evaluate, repr((space.varied, data)), TOGETHER)
+    plan = IdentificationPlan(space, data, points)
+    if search is not None:
+        plan = replace(plan, search=search)
+    return run_identification(plan, Execution.read({**options, "workers": 1}), watch)

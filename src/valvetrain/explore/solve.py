@@ -59,21 +59,19 @@ def solve(
     posterior: Posterior,
     search: Search,
     store: Store,
-    *,
-    start: Array | None = None,
+    start: Array,
     report: Progress = silent,
     compare: Evaluate | None = None,
     units: Mapping[str, str] = MappingProxyType({}),
 ) -> Identified:
     """Search the posterior, find its branches, and report for each what the data determine.
 
-    ``start`` (quantities): values (SI) to compare with, and to begin at where the search says so; the middles of
-    the priors by default. ``compare``: computes what is not fitted, for ``search.draws`` of the draws. ``units``:
+    ``start`` (quantities): values (SI) to compare with, and to begin at where the search says so.
+    ``compare``: computes what is not fitted, for ``search.draws`` of the draws. ``units``:
     those that computed quantities are shown in, by key. ``store``: counts the points. A stop in a search leaves
     what it had, one before that raises :class:`Stopped`.
     """
     began = time.perf_counter()
-    start = posterior.middle if start is None else start
     sampled = search.method == "nested"
     if sampled:
         peaks, shares, draws = _sampled(posterior, search, report)
@@ -110,7 +108,7 @@ def solve(
             predicted.append(Predicted(key, datum.unit, *ends, datum, percentile, begun))
     return Identified(
         method=search.method,
-        unknowns=posterior.unknowns,
+        unknowns=tuple(posterior.unknowns),
         branches=branches,
         values=values,
         branch_of=draws.labels,

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -331,7 +331,7 @@ class Varied:
     ``key``: as ``--set`` takes it, such as ``"spring.wire_diameter"``. ``unit``: that of its values
     where they are shown; inside they are SI. ``operation``: the ``value`` itself, or a ``factor``
     on or an ``offset`` to the case's own number, list or curve. ``label``: shown name, the key by
-    default. Raises :class:`InputError` for an unknown unit or operation and for a factor with a unit.
+    default. ``also``: further keys that move alike. Raises :class:`InputError` for an unknown unit or operation and for a factor with a unit.
 
     >>> Varied("spring.pitch", operation="factor").name
     'spring.pitch factor'
@@ -342,6 +342,7 @@ class Varied:
     operation: Operation = "value"
     distribution: Distribution = Values((1.0,))
     label: str = ""
+    also: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         reason = ""
@@ -364,6 +365,24 @@ class Varied:
     def name(self) -> str:
         """Key and operation, unique among the varied quantities of a study."""
         return self.key + _SUFFIXES[self.operation]
+
+    @property
+    def parts(self) -> tuple[Varied, ...]:
+        """The same for each of its keys."""
+        return self, *(replace(self, key=key, also=()) for key in self.also)
+
+    @property
+    def title(self) -> str:
+        """Its label, else its name: what it is called in an identification."""
+        return self.label or self.name
+
+    @property
+    def prior(self) -> Prior:
+        """Its distribution. Raises :class:`InputError` for a list of values."""
+        if not isinstance(self.distribution, Prior):
+            reason = "is a list of values, which is no prior; give a distribution"
+            raise InputError(reason, self.name)
+        return self.distribution
 
     @property
     def shown_name(self) -> str:
@@ -462,6 +481,11 @@ class Space(Sequence[Varied]):
     def names(self) -> tuple[str, ...]:
         """Name of every quantity: its key, with ``factor`` or ``offset`` behind."""
         return tuple(one.name for one in self.varied)
+
+    @property
+    def identity(self) -> list[Any]:
+        """What the values of a point mean, whatever their distributions."""
+        return [[one.key, one.also, one.operation, one.si_unit] for one in self.varied]
 
     def points(self, shares: ArrayLike) -> Array:
         """Points (n, d) in SI of shares (n, d) in the unit cube."""
