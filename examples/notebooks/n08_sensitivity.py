@@ -13,7 +13,7 @@ space = vt.Space(
 )  # fmt: skip
 outputs = vt.Outputs(["peak_spring_force"], engine_speeds="4000 rpm", spring_models="modal-uniform")
 experiment = vt.Experiment("job-t", space, outputs)
-for one in experiment.sensitivity(count=128, workers=2):
+for one in experiment.sample("saltelli", {"count": 128}, workers=2).sensitivities:
     print(one.output, dict(zip(one.names, one.total.round(2), strict=True)))
 
 # %%

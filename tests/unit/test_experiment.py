@@ -196,7 +196,9 @@ def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications(
         identification_plan('case = "job-c"\n' + tables + MEASURED, "file", Path())
         for tables in (OLD, NEW)
     )
-    assert repr(first.unknowns) == repr(second.unknowns) and first.case == second.case
+    for one, other in zip(first.unknowns, second.unknowns, strict=True):
+        assert (one.title, one.prior, one.unit) == (other.title, other.prior, other.unit)
+    assert first.case == second.case
     assert first.data == second.data
 
 

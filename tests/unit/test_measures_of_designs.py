@@ -79,7 +79,9 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(
     assert outcome.status.completed == (due is not None)
     if due is not None:
         found = limit_of(outcome)
-        assert (found.kind, found.low, found.high) == due and outcome[search.name] == found.value
+        assert (found.kind, found.low, found.high) == due and outcome.values[
+            search.name
+        ] == found.value
         assert found.bound == (share or 5.0)
 
 

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from valvetrain.arrays import Array
-from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.errors import InputError
 from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
+from valvetrain.explore.samplers import needs
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress
 
@@ -59,21 +60,12 @@ def even_places(size: int, count: int, seed: int) -> Labels:
     return np.asarray(steps * size / max(count, 1), dtype=np.int64)
 
 
-def extra(package: str) -> MissingExtraError:
-    """The error of a package of the extra ``studies`` that is not installed."""
-    return MissingExtraError(
-        f"{package} is not installed; install it with pip install 'valvetrain[studies]'"
-    )
-
-
 def likeliest_of_clusters(posterior: Posterior, work: Array, seed: int) -> Array:
     """The likeliest draw of all, then that of each cluster of draws (n, quantities). Raises
     :class:`MissingExtraError` without scikit-learn.
     """
-    try:
+    with needs("scikit-learn"):
         from sklearn.cluster import HDBSCAN
-    except ImportError as error:
-        raise extra("scikit-learn") from error
     chosen = work[even_places(len(work), min(CLUSTERED, len(work)), seed)]
     height = posterior.log_posterior(chosen)
     tops, least = [np.argmax(height)], max(10, int(LEAST_CLUSTER * len(chosen)))
@@ -189,10 +181,8 @@ def nested(posterior: Posterior, search: Search, report: Progress = silent) -> D
     points. Raises :class:`InputError` where no point of the prior can be computed,
     :class:`MissingExtraError` without the library.
     """
-    try:
+    with needs("nautilus-sampler"):
         from nautilus import Sampler
-    except ImportError as error:
-        raise extra("nautilus-sampler") from error
     count = len(posterior.unknowns)
     expected = search.sampled(count)
     done = possible = 0

@@ -249,11 +249,6 @@ class Engine:
             if self._pool is not None:
                 self._pool.__exit__()
 
-    @property
-    def computed(self) -> int:
-        """Points that were computed since the start."""
-        return self.store.computed
-
     def compute(self, jobs: Iterable[PointJob]) -> None:
         """Compute the points that the store lacks."""
         indices = {id(one): index for index, one in enumerate(self.computations)}

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.posterior import Datum
-    from valvetrain.explore.samplers import Sensitivity
 
 
 class Experiment(Evaluation):
@@ -71,18 +70,10 @@ class Experiment(Evaluation):
         **execution: Any,
     ) -> StudyTable:
         """Points that a ``sampler`` draws with its ``options`` (docs/studies.md), such as
-        ``{"count": 200, "seed": 1}``.
+        ``{"count": 200, "seed": 1}``; those of ``saltelli`` with Sobol indices, ``sensitivities``.
         """
 
         return run_experiment(self, find_sampler(sampler, "sampler"), options or {}, **execution)
-
-    def sensitivity(
-        self, count: int = 1024, seed: int = 1, **execution: Any
-    ) -> tuple[Sensitivity, ...]:
-        """Sobol indices of every output at every run, by at most ``count`` points."""
-
-        options = {"count": count, "seed": seed}
-        return run_experiment(self, find_sampler("saltelli"), options, **execution).sensitivities
 
     @shows_progress("optimise")
     def optimise(

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from valvetrain.arrays import Array
-from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.errors import InputError
 from valvetrain.explore.draws import even_places
 from valvetrain.explore.least_squares import Fit, Information
 from valvetrain.explore.posterior import Datum
-from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
+from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec, needs
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.changes import nearest
 from valvetrain.solution.definition import si_unit_text
@@ -122,7 +122,7 @@ class Identified(Reported):
     >>> found
     fitted, not checked: measured 1, unknown 1, so almost any model meets the data
       Identified by least-squares: rate
-    >>> round(found.percentile("force"))
+    >>> round(found.predicted[0].percentile)
     50
     """
 
@@ -167,17 +167,6 @@ class Identified(Reported):
         """The likeliest point of the most probable branch, by quantity."""
         return {name: one.best for name, one in self.branches[0].quantities.items()}
 
-    def percentile(self, measurement: str) -> float:
-        """Percentile of a measurement of one value. Raises :class:`InputError` unless
-        one of that name has one value.
-        """
-        fits = [one for one in self.predicted if measurement in (one.datum.name, one.datum.key)]
-        if len(fits) != 1:
-            raise InputError(
-                f"{len(fits) or 'no'} measured values are called '{measurement[:60]}'; look through 'predicted'"
-            )
-        return fits[0].percentile
-
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over draw: the quantities (SI), the branch of each draw, and every computed number."""
         import xarray
@@ -197,14 +186,9 @@ class Identified(Reported):
 
     def to_arviz(self) -> Any:
         """The draws of the posterior as ArviZ takes them. Raises :class:`MissingExtraError` where ArviZ is not installed."""
-        try:
-            with warnings.catch_warnings():  # of its next version
-                warnings.simplefilter("ignore")
-                arviz = import_module("arviz")
-        except ImportError as error:
-            raise MissingExtraError(
-                "arviz is not installed; install it with pip install 'valvetrain[posterior]'"
-            ) from error
+        with warnings.catch_warnings(), needs("arviz", "posterior"):  # of its next version
+            warnings.simplefilter("ignore")
+            arviz = import_module("arviz")
         posterior = {name: self.values[None, :, k] for k, name in enumerate(self.names)}
         try:
             return arviz.from_dict(posterior=posterior)

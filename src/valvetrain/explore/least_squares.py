@@ -17,6 +17,7 @@ from scipy.special import chdtrc
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.posterior import Numbers, Posterior
+from valvetrain.explore.samplers import latin_hypercube
 
 #: Step of a difference in standard deviations of the prior where nothing is known yet, and of what
 #: the data leave once it is.
@@ -125,12 +126,10 @@ def best_starts(posterior: Posterior, count: int, keep: int, seed: int) -> Array
     """The ``keep`` most likely of ``count`` points (working coordinates) that can be computed: the
     middle of the priors, and a Latin hypercube over them. Raises :class:`InputError` where none can.
     """
-    from scipy.stats.qmc import LatinHypercube
-
-    cube = LatinHypercube(len(posterior.unknowns), rng=np.random.default_rng(seed))
     tried = posterior.centre[None, :]
     if count > 1:
-        tried = np.vstack([tried, posterior.from_shares(cube.random(count - 1))])
+        cube = latin_hypercube(count - 1, len(posterior.unknowns), seed)
+        tried = np.vstack([tried, posterior.from_shares(cube)])
     height = posterior.log_posterior(tried)
     order = np.argsort(-height, kind="stable")
     possible = order[np.isfinite(height[order])]

@@ -143,7 +143,7 @@ class _Search:
 
     def optimum(self, **more: Any) -> Optimum:
         """The trials so far, and what is known of the best of them."""
-        seconds, computed = time.perf_counter() - self.begun, self.points.computed
+        seconds, computed = time.perf_counter() - self.begun, self.points.store.computed
         return Optimum(self.plan, tuple(self.trials), computed=computed, seconds=seconds, **more)
 
     def confirmed(self, found: Optimum) -> tuple[Confirmed, ...]:

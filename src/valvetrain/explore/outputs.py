@@ -59,13 +59,6 @@ class Outcome:
     status: Status = COMPLETED
     values: Mapping[str, float] = field(default_factory=dict)
 
-    def __getitem__(self, name: str) -> float:
-        if name not in self.values:
-            raise InputError(
-                f"the point has no '{name[:60]}'; its status is {self.status.sentence()}"
-            )
-        return self.values[name]
-
 
 @dataclass(frozen=True, slots=True)
 class LimitSearch:

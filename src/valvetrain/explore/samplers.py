@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,6 @@ MAX_POINTS = 1_000_000
 COUNT, LEVELS = 128, 5
 #: Resamples behind an interval, and its ends in per cent.
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
-HINT = "Sobol indices need SALib, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Rows of all resamples together, which bound the memory.
 MOST_DRAWN = 10**7
 #: Base rows below which there is no index; a spread (over the size of the mean) below which there is
@@ -75,15 +75,21 @@ class SamplerSpec:
             raise InputError(reason, ".".join(map(str, ("points", *path)))) from None
 
 
+@contextmanager
+def needs(package: str, extra: str = "studies") -> Iterator[None]:
+    """Import a package of an extra in the block. Raises :class:`MissingExtraError` where it is not installed."""
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtraError(
+            f"{package} is not installed; install it with pip install 'valvetrain[{extra}]'"
+        ) from error
+
+
 def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
     """The sampler of a name in the registry. Raises :class:`InputError` for an unknown one."""
     spec: SamplerSpec = find("samplers", word, where)
     return spec
-
-
-def spread(varied: Sequence[Varied], shares: Array) -> Array:
-    """Points (n, d) in SI of shares (n, d) in the unit cube, each column by its distribution."""
-    return Space(varied).points(shares)
 
 
 def _drawn(
@@ -96,7 +102,7 @@ def _drawn(
 
     def draw(varied: Sequence[Varied], given: SamplerOptions) -> Array:
         assert isinstance(given, CountedOptions)
-        return spread(varied, cube(len(varied), given.count, given.seed))
+        return Space(varied).points(cube(len(varied), given.count, given.seed))
 
     return SamplerSpec(word, name, options, draw, independent=True)
 
@@ -261,10 +267,8 @@ def sensitivity_of(
     indices = {order: np.zeros((size, 3)) for order in ("S1", "ST")}
     by_row = parts[[0, *range(2, size + 2), 1]][:, whole].T  # SALib's order: A, its mixtures, B
     if np.std(by_row) > NO_SPREAD * abs(np.mean(by_row)):
-        try:
+        with needs("SALib"):
             from SALib.analyze import sobol
-        except ImportError as error:
-            raise MissingExtraError(HINT) from error
         problem = {"num_vars": size, "names": list(names), "bounds": [[0.0, 1.0]] * size}
         made = sobol.analyze(
             problem,

@@ -20,13 +20,11 @@ from typing import Any
 import numpy as np
 
 from valvetrain.arrays import Array
-from valvetrain.errors import MissingExtraError
 from valvetrain.explore.limit_speed import BELOW
 from valvetrain.explore.measure import Constraint, Measured, Objective
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.samplers import latin_hypercube
+from valvetrain.explore.samplers import latin_hypercube, needs
 
-HINT = "a search needs the library optuna, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Designs of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
 FIRST, FIRST_EACH = 10, 2
@@ -184,10 +182,8 @@ def quiet_optuna() -> Iterator[Any]:
 
     Raises :class:`MissingExtraError` where it is not installed.
     """
-    try:
+    with needs("optuna"):
         import optuna
-    except ImportError as error:
-        raise MissingExtraError(HINT) from error
     before = optuna.logging.get_verbosity()
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     try:

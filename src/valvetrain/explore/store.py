@@ -41,8 +41,8 @@ class Store:
 
     >>> with Store(None) as store:
     ...     store.add(b"first", Outcome(values={"peak_spring_force": 510.0}))
-    ...     store.outcome(b"first")["peak_spring_force"]
-    510.0
+    ...     store.outcome(b"first").values
+    {'peak_spring_force': 510.0}
     """
 
     def __init__(self, folder: Path | None) -> None:

@@ -187,7 +187,7 @@ def run_plan(
         draws, experiment = plan.draws(), plan.experiment
 
         def finished() -> None:
-            total, reached = max(estimate.points, 1), engine.computed + engine.read
+            total, reached = max(estimate.points, 1), engine.store.computed + engine.read
             watch.report(min(1.0, reached / total), f"{reached} of {total} points")
 
         together = 1 if estimate.seconds_each > SHORT else TOGETHER
@@ -223,7 +223,12 @@ def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
         statuses.append(status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
     return StudyTable(
-        plan, inputs, plan.runs * len(draws), values, tuple(statuses), computed=engine.computed
+        plan,
+        inputs,
+        plan.runs * len(draws),
+        values,
+        tuple(statuses),
+        computed=engine.store.computed,
     )
 
 

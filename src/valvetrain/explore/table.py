@@ -18,9 +18,8 @@ from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
-from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
-from valvetrain.solution.display import Reported, frame
+from valvetrain.solution.display import Reported, frame, verdict_first
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -238,7 +237,6 @@ class StudyTable(Reported):
         )
 
     def __repr__(self) -> str:
-        first: str = find("displays", "verdict")(self)
         done = int(np.count_nonzero(self.completed))
         told = f"study '{self.plan.title}': {done} of {len(self)} points completed"
-        return "\n".join(filter(None, (first, told)))
+        return verdict_first(self, [told])
