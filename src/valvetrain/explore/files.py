@@ -260,10 +260,19 @@ class FileText(Generic[FileModel]):
 
     @cached_property
     def case(self) -> Case:
-        """The case of the library or next to the file, with its changes."""
+        """The case of the library or next to the file, with its changes; an empty text removes a key."""
         model: Any = self.model
-        found: Case = self.guarded(("case",), lambda: case_of_file(model.case, model.changes, self.folder))  # fmt: skip
+        changes = {key: REMOVED if one == "" else one for key, one in model.changes.items()}
+        found: Case = self.guarded(("case",), lambda: load_case(self.case_place, changes or None))
         return found
+
+    @property
+    def case_place(self) -> str:
+        """The name of the case in the library, or the path of its file."""
+        model: Any = self.model
+        path = self.folder / model.case
+        there = model.case not in library_names() and path.is_file()
+        return str(path) if there else str(model.case)
 
     @cached_property
     def space(self) -> Space:
@@ -299,20 +308,9 @@ class FileText(Generic[FileModel]):
             ) from None
 
 
-def case_of_file(name: str, changes: Mapping[str, Any], folder: Path) -> Case:
-    """The case of the library or next to the file in ``folder``, with its changes; an empty text
-    removes a key.
-    """
-    path = folder / name
-    made = {key: REMOVED if value == "" else value for key, value in changes.items()}
-    return load_case(name if name in library_names() or not path.is_file() else path, made or None)
-
-
 def case_words(text: FileText[Any]) -> list[str]:
     """What a command line takes for the case of a file with its changes: its name or path, then ``--set`` for each."""
-    path = text.folder / text.model.case
-    name = text.model.case
-    words = [name if name in library_names() or not path.is_file() else str(path)]
+    words = [text.case_place]
     rows = [("", text.model.changes)]
     for head, value in rows:  # a table adds its own rows
         if isinstance(value, dict):

@@ -22,10 +22,11 @@ from valvetrain.explore.identification_rules import (
 from valvetrain.explore.identified import Branch, Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
 from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
+from valvetrain.explore.study_answer import named_rows
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import joined
 from valvetrain.solution.atomic import write_text
-from valvetrain.views.style import BAD, LEAD, OTHER, SECOND, FigureSpec, styled
+from valvetrain.views.style import BAD, LEAD, OTHER, SECOND, FigureSpec
 from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings
 
@@ -201,9 +202,7 @@ def rows_figure(names: Sequence[str], at: Array, colours: list[str], title: str,
         go.Scatter(x=x, y=names, name=name, mode="markers", marker=looks[name], error_x=error, hovertemplate="%{y}: %{x:.3~g}")
         for name, x, error in (("start", start, None), ("identified", best, bars))
     ])  # fmt: skip
-    styled(fig, title, ("",), 130 + 26 * len(names))
-    fig.update_layout(hovermode="closest", margin={"l": max(110, 7 * max(map(len, names)) + 20)})
-    return fig.update_yaxes(autorange="reversed", dtick=1).update_xaxes(range=ends)
+    return named_rows(fig, title, names).update_xaxes(range=ends)
 
 
 def unknowns(facts: IdentificationFacts) -> go.Figure:

@@ -136,7 +136,9 @@ class IdentificationPlan:
 def read_identification(file: FileText[IdentificationModel]) -> IdentificationPlan:
     """The plan of an identification file. Raises :class:`InputError`, one sentence with file, line and key."""
     model, case, word = file.model, file.case, file.model.evaluator
-    evaluator = file.guarded(("evaluator",), lambda: evaluator_of(word)) if word else None
+    evaluator: PointEvaluator | None = None
+    if word:
+        evaluator = file.guarded(("evaluator",), lambda: find("evaluators", word, ""))
     space = file.space
     for place, one in enumerate(space):
         file.guarded(("vary", place, "values"), lambda one=one: one.prior)
@@ -197,12 +199,6 @@ def _computations(
 
 def _one_by_one(function: Callable[[Sequence[float]], Numbers], points: Array) -> list[Numbers]:
     return [function(row) for row in points.tolist()]
-
-
-def evaluator_of(name: str) -> PointEvaluator:
-    """The evaluator of points that a package lists under ``name``."""
-    found: PointEvaluator = find("evaluators", name, "evaluator")
-    return found
 
 
 def _search(given: dict[str, Any]) -> Search:

@@ -13,7 +13,6 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.search import Trial, best_of, front_of
 from valvetrain.parameters.case import Case
@@ -193,11 +192,6 @@ class Optimum(Reported):
             return self.best.trial
         first = min(self.trials, key=lambda one: one.rank)
         return None if first.failure else first
-
-    def bound_of_limit(self, one: Measure) -> float:
-        """The bound (SI) of a limit speed, nan of a share of a case that has no such number."""
-        brackets = self.case.measured.limits.get(one, ())
-        return brackets[0].bound if brackets else np.nan if one.limit is None else one.limit.bound
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"

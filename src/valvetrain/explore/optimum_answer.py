@@ -184,9 +184,6 @@ class OptimumAnswer(ExploreAnswer):
         """Method, runs, where numbers are taken, and what could not be computed."""
         result, search = self.result, self.result.plan.search
         yield f"{result.computed} runs in {result.seconds:.0f} s by {search.method}, seed {search.seed}."
-        for one in result.plan.measures:
-            if one.limit is not None:
-                yield f"The limit is {self.words.said(Amount(one.quantity, result.bound_of_limit(one)), 4)} of {one.quantity}."
         failures = [one.failure for one in result.trials if one.failure]
         if failures:
             yield f"{len(failures)} designs could not be computed (trials.csv), such as: {failures[0]}"

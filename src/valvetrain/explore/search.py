@@ -233,7 +233,10 @@ class _Proposals:
     """Points of the unit cube that a sampler of Optuna proposes from what came of those before."""
 
     def __init__(self, optuna: Any, plan: OptimumPlan) -> None:
-        options: dict[str, Any] = {"seed": plan.search.seed, "constraints_func": _missed}
+        options: dict[str, Any] = {
+            "seed": plan.search.seed,
+            "constraints_func": lambda trial: trial.user_attrs["missed"],
+        }
         if plan.search.method == "nsga2":
             sampler = optuna.samplers.NSGAIISampler(
                 population_size=plan.search.per_round, **options
@@ -272,10 +275,6 @@ class _Proposals:
 
 class _Spent(Exception):
     """All trials are used."""
-
-
-def _missed(trial: Any) -> list[float]:
-    return list(trial.user_attrs["missed"])
 
 
 def local_search(

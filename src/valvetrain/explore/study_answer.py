@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -304,18 +304,18 @@ def _points(facts: StudyFacts, name: str) -> go.Figure | None:
     _mark(fig, facts, name, values, np.repeat(names, len(table.plan.runs)))
     if np.isfinite(values[0]):
         fig.add_vline(float(values[0]), line={"color": OTHER, "width": 1, "dash": "dash"})
-    return _named_rows(fig, _axis(name), count)
+    return named_rows(fig, _axis(name), names)
 
 
 def _short(label: str, place: int) -> str:
     return label if len(label) <= LETTERS else f"point {place + 1}"
 
 
-def _named_rows(fig: go.Figure, x: str, count: int) -> go.Figure:
+def named_rows(fig: go.Figure, x: str, names: Sequence[str]) -> go.Figure:
     """A figure whose rows have names, from the top."""
-    styled(fig, x, ("",), 120 + 30 * count)
-    fig.update_layout(hovermode="closest", margin={"l": 260})
-    return fig.update_yaxes(autorange="reversed", dtick=1, automargin=True)
+    styled(fig, x, ("",), 125 + 28 * len(names))
+    fig.update_layout(hovermode="closest", margin={"l": max(110, 7 * max(map(len, names)) + 20)})
+    return fig.update_yaxes(autorange="reversed", dtick=1)
 
 
 def _map(facts: StudyFacts, name: str) -> go.Figure:
@@ -335,9 +335,10 @@ def _effects(facts: StudyFacts, name: str) -> go.Figure | None:
     if not effects:
         return None
     shares, low, high = 100 * np.clip([(one.share, one.low, one.high) for one in effects], 0, 1.2).T
+    names = [_short(one.varied.shown_name, k) for k, one in enumerate(effects)]
     fig = go.Figure(go.Scatter(
-        x=shares, y=[_short(one.varied.shown_name, k) for k, one in enumerate(effects)], mode="markers", hovertemplate="%{x:.2~g} %",
+        x=shares, y=names, mode="markers", hovertemplate="%{x:.2~g} %",
         marker={"color": LEAD, "size": 11}, error_x={"symmetric": False, "array": high - shares, "arrayminus": shares - low, "color": OTHER},
     ))  # fmt: skip
     fig.update_xaxes(range=[-3, max(103.0, float(high.max()) + 3)])
-    return _named_rows(fig, "share of the variance, %", len(effects))
+    return named_rows(fig, "share of the variance, %", names)
