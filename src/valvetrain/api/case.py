@@ -16,6 +16,7 @@ from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, file_key, with_values
+from valvetrain.parameters.templates import engine_text
 from valvetrain.units import known_arguments, numbers_of, si_speeds
 from valvetrain.units.text import clipped
 
@@ -103,6 +104,14 @@ class Case:
         self.parameters: Parameters = case_of_tree(
             tree, label or "case", self._folder, label or "vt.Case"
         )
+
+    @classmethod
+    def like(cls, name: str) -> Case:
+        """The case of an engine whose numbers have sources: "sbc-flat-tappet", "ls-beehive", "ls-dual" (docs/engines.md).
+
+        Raises :class:`InputError` for an unknown one.
+        """
+        return cls(engine_text(name), name=name)
 
     @property
     def name(self) -> str:

@@ -18,6 +18,8 @@ from valvetrain.parameters.templates import (
     KINDS,
     QUESTIONS,
     TRAINS,
+    engine_names,
+    engine_text,
     flag,
     template_kind,
     template_text,
@@ -49,6 +51,13 @@ class CaseLine(AnswerLine):
         default="spring",
     )
     case: str = option(read_text, "The case that a study is about.", "--case", "CASE", default="")
+    like: str = option(
+        read_text,
+        f"An engine whose numbers have sources, in place of a template: {', '.join(engine_names())}.",
+        "--like",
+        "NAME",
+        default="",
+    )
 
 
 def _answer_option(name: str) -> Any:
@@ -76,7 +85,12 @@ def new(line: CaseLine) -> None:
 
     name, kind, case = line.name, line.kind, line.case
     answers = {word: text for word in QUESTIONS if (text := getattr(line, word))}
-    if kind in REQUESTS:
+    if line.like:
+        if answers or case or kind != "spring":
+            raise InputError("it gives the whole engine; leave the other options out and change its file", "--like")  # fmt: skip
+        kind, path = line.like, _written(name, engine_text(line.like))
+        label = f"{path}: an engine like {kind}\n  {_assumptions(path)}\n  next: valvetrain sweep {shlex.quote(str(path))}"
+    elif kind in REQUESTS:
         path = write_request(name, kind, case)
         label = f"{path}: {REQUESTS[kind]}\n  next: valvetrain {COMMANDS.get(kind, kind)} {shlex.quote(str(path))}"
     elif case:

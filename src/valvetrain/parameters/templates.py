@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.train_names import TITLES, answer, meant_kind
 
 TEMPLATES = Path(__file__).parent.parent / "templates"
@@ -74,6 +75,24 @@ QUESTIONS: dict[str, Question] = {
 def flag(name: str) -> str:
     """The option of an answer."""
     return f"--{name.replace('_', '-')}"
+
+
+def engine_names() -> tuple[str, ...]:
+    """Names of the engines whose numbers have sources (docs/engines.md)."""
+    return tuple(sorted(path.stem for path in (TEMPLATES / "engines").glob("*.toml")))
+
+
+def engine_text(name: str) -> str:
+    """The commented case of an engine of :func:`engine_names`, with ``NAME.toml`` for its file.
+
+    Raises :class:`InputError` for an unknown one.
+
+    >>> "[lift_law]" in engine_text("ls-beehive")
+    True
+    """
+    if name not in engine_names():
+        raise InputError(f"there is no engine '{name[:40]}'; {nearest(name, engine_names())}", "--like")  # fmt: skip
+    return (TEMPLATES / "engines" / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def template_kind(name: str) -> str:
