@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 
 import valvetrain as vt
 from spring_parts import GUIDED, SLENDER
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_rest import lift_of
 from valvetrain.findings.springs_at_rest import pair_of, states_of
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import load_case, parse_case
@@ -71,7 +74,7 @@ def study(name: str) -> Study:
         ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("N101", "modes-bent", "modes"),
         ("N102", "modes", "modes-free"), ("F113", "stated", "alone"),
         ("N103", "modes-free", "modes"), ("N104", "modes-none", "modes"), ("N110", "modes-wire", "modes-pair"),
-        ("N111", "modes-train", "modes"),
+        ("N111", "modes-train", "modes"), ("N112", "modes-pair", "modes"),
     ],
 )  # fmt: skip
 def test_a_rule_holds_where_it_must_and_nowhere_else(code, holds, holds_not):
@@ -116,7 +119,32 @@ def test_the_verdict_names_the_strongest_order_in_use_of_each_spring():
         best = max(orders, key=lambda k: lift[k])
         assert int(fields[word]) == best != orders[-1]
         assert rows[f"cam order {best}"][place] == f"{120 * surge / best:.0f} rpm"
-    assert fields["lift"].value == pytest.approx(lift[int(fields["strongest"])], rel=1e-3)
+    size = lift_of(Facts(study("modes-pair")), int(fields["strongest"]))
+    assert size.value == pytest.approx(lift[int(fields["strongest"])], rel=1e-3)
+    # the next order, stronger still, is above the red line: a row says so, and the picture has it pale
+    surges = [one.modes.axial_frequencies[0] for one in study("modes-pair").rest]
+    beyond = math.ceil(120 * min(surges) / 7000) - 1
+    assert rows[f"cam order {beyond}"] == tuple(f"{120 * one / beyond:.0f} rpm" for one in surges)
+    stems = [
+        one
+        for one in figures_of(Answer(study("modes-pair")))["surge-orders"].data
+        if one.yaxis == "y2"
+    ]
+    assert {one.opacity < 1 for one in stems if one.x[0] > 7000} == {True}
+    assert {one.opacity for one in stems if one.x[0] <= 7000} == {1.0}
+
+
+def test_surge_halves_by_the_damping_of_its_mode():
+    """Closed form: ln 2 / (2 pi f zeta); of two springs the widths at half power are 2 zeta each."""
+    case, found = load_case(LS), findings_of(study("modes-pair")).by("N112")[0].fields
+    widths = 0.0
+    for spring, rest in zip(case.train.spring_parts(), study("modes-pair").rest, strict=True):
+        surge = rest.modes.axial_frequencies[0]
+        zeta = spring.damping.ratio_at(surge)
+        half = study("modes-pair").still[f"{rest.spring}, {rest.model}"]["surge_half_duration"]
+        assert half == pytest.approx(math.log(2) / (2 * math.pi * surge * zeta))
+        widths += zeta
+    assert found["width"] == f"{100 * widths:.2g} %"
     assert "order" in findings_of(study("modes-wire"))[0].fields
 
 

@@ -103,10 +103,7 @@ def new(line: CaseLine) -> None:
         if not (answers or line.json or line.quiet) and kind in TRAINS and sys.stdin.isatty():
             answers = _asked(kind)
         path = write_template(name, kind, answers)
-        following = (
-            f"sweep {shlex.quote(str(path))}" if answers else f"check {shlex.quote(str(path))}"
-        )
-        label = f"{path}: {KINDS[kind]}\n  {_assumptions(path)}\n  next: valvetrain {following}"
+        label = f"{path}: {KINDS[kind]}\n  {_assumptions(path)}\n  next: valvetrain run {shlex.quote(str(path))}"
     data = {"command": "new", "kind": kind, "files": [str(path)]}
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 

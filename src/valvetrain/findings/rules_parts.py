@@ -48,12 +48,15 @@ def _best(facts: PartFacts, reaches: bool) -> Iterator[Hit]:
     if best is None or best.sign <= 0:
         return
     red_line = ranking.red_line
-    short = 0.0 if red_line is None else red_line - best.engine_speed
-    if (short <= 0) is reaches:
+    if (red_line is None or red_line <= best.engine_speed) is reaches:
+        rivals = [
+            one for one in ranking.choices if one is not best and one.largest_gain > best.least_gain
+        ]
         fields: Fields = {
             "set": best.setting, "put": "" if best.setting else PUT,
-            "part": best.part, "gain": gain_text(best), "range": range_text(best), "reached": reached_text(best.engine_speed, ranking),
-            "short": about(short) if short > 0 else "", "red": "" if red_line is None else speed_text(red_line, ""),
+            "part": best.part, "gain": gain_text(best), "range": "" if rivals else range_text(best),
+            "rival": max(rivals, key=lambda one: one.largest_gain).part if rivals else "",
+            "reached": reached_text(best.engine_speed, ranking), "red": "" if red_line is None else speed_text(red_line, ""),
         }  # fmt: skip
         yield Hit(fields=fields)
 
@@ -76,17 +79,6 @@ def no_gain(facts: PartFacts) -> Iterator[Hit]:
             "part": best.part, "range": range_text(best) or gain_text(best),
             "set": best.setting, "put": "" if best.setting else PUT,
         })  # fmt: skip
-
-
-def rival(facts: PartFacts) -> Iterator[Hit]:
-    """A part that may gain more than the one that surely gains most."""
-    best = facts.ranking.best
-    if best is None or best.sign <= 0:
-        return
-    for one in facts.ranking.choices:
-        if one is not best and one.largest_gain > best.gain:
-            fields: Fields = {"part": one.part, "range": range_text(one)}
-            yield Hit(fields=fields, severity=one.gain)
 
 
 def held(facts: PartFacts) -> Iterator[Hit]:
@@ -118,22 +110,22 @@ def assumed_retainer(facts: PartFacts) -> Iterator[Hit]:
         yield Hit()
 
 
-GAINS = "{part} surely gains most, {gain} rpm[ ({range})]"
-REACHED = "in control to {reached} rpm"
+GAINS = "{part} gains most, {gain} rpm[ ({range})][, or {rival} (ranges overlap)]"
+REACHED = "in control to {reached} rpm[, red line {red}]"
 #: Where no option of a command makes the change, the case file has to.
 PUT = "put it into the case file"
 STEP = "[{put}, then ]valvetrain sweep {case}[ {set}]"
 
 RULES = (
-    Rule("W301", "decides", GAINS, enough, reason=f"{REACHED}[, red line {{red}}]", step=STEP, mark="ok"),
-    Rule("W302", "decides", GAINS, not_enough, reason=f"{REACHED}, {{short}} rpm short of the red line", step=STEP, mark="warn"),
-    Rule("W303", "decides", "no part alone surely gains control: the best, {part}, {range} rpm", no_gain, step=STEP, mark="warn"),
+    Rule("W301", "decides", GAINS, enough, reason=REACHED, step=STEP, mark="ok"),
+    Rule("W302", "decides", GAINS, not_enough, reason=REACHED, step=STEP, mark="warn"),
+    Rule("W303", "decides", "no part surely gains control: the best, {part}, {range} rpm", no_gain, step=STEP, mark="warn"),
     Rule("W304", "decides", "no part needs a change: in control up to {speed}, the highest searched", held,
          step="valvetrain sweep {case} --rpm {beyond}", mark="ok"),
     Rule("W305", "decides", "no part can be ranked: not in control already at {speed}", never_held,
          step="valvetrain sweep {case}"),
-    Rule("W311", "warns", "damping, which nobody knows, moves control more than any part: {part} {gain} rpm", unknown),
-    Rule("W312", "warns", "{part} may gain more, but its range is {range} rpm", rival),
+    Rule("W311", "warns", "damping, which nobody knows, moves control more than any part: {part} {gain} rpm", unknown,
+         remark="nobody knows it, and it moves control more than any part"),
     Rule("A120", "notes", "a steel retainer is taken as 16 % of what moves with the valve, titanium as 44 % lighter",
          assumed_retainer, remark="share of the retainer"),
 )  # fmt: skip

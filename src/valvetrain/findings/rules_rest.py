@@ -12,6 +12,8 @@ from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
 
+#: What bounds the speeds in use of a case with a red line, and without.
+IN_USE = ("red line", "highest speed")
 #: Cam orders that are named where a case states no engine speed.
 ORDERS = (12, 6)
 #: Highest cam order whose lift is compared.
@@ -154,8 +156,7 @@ def surges(facts: Facts) -> Iterator[Hit]:
         orders = orders_of(facts, surge.value)
         first, *more = (speed_text(speed_of(k, surge.value), "") for k in orders)
         fields: Fields = {"order": str(orders[0]), "last": str(orders[-1]), "speed": first, "top": f"{more[0]} rpm"} if more else {
-            "strongest" if lift_of(facts, order) else "lowest": str(order), "lift": lift_of(facts, order) or "",
-            "speed": speed_text(speed_of(order, surge.value)),
+            "strongest" if lift_of(facts, order) else "lowest": str(order), "speed": speed_text(speed_of(order, surge.value)),
         }  # fmt: skip
         if met[1:] and not more:
             _, other, its_surge, its_order = met[1]
@@ -212,6 +213,23 @@ def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
     return zip(modes[::2], modes[1::2], strict=False)
 
 
+def apart(facts: Facts) -> Iterator[Hit]:
+    """By how much the surge of two nested springs differs, next to the width of their resonances at half power."""
+    pair = pair_of(states_of(facts.study))
+    halves = [one.values.get(HALF, math.nan) for one in pair.pair] if pair else []
+    surges = [one.surge.value for one in pair.pair if one.surge] if pair else []
+    if len(surges) == 2 and all(map(math.isfinite, halves)):
+        share = abs(surges[0] / surges[1] - 1)
+        width = sum(
+            math.log(2) / (math.tau * one * half) for one, half in zip(surges, halves, strict=True)
+        )
+        both = share < width
+        yield Hit(fields={
+            "apart": f"{100 * share:.2g} %", "width": f"{100 * width:.2g} %", "more": "less" if both else "more",
+            "whom": "both at once: detune one" if both else "one at a time",
+        })  # fmt: skip
+
+
 def whole_train(facts: Facts) -> Iterator[Hit]:
     """The lowest natural frequency of the train with its springs, valve closed and at full lift."""
     for closed, lifted in list(_train(facts))[:1]:
@@ -221,6 +239,7 @@ def whole_train(facts: Facts) -> Iterator[Hit]:
         yield Hit(other, fields={"closed": one, "moving": lifted.moving(0)})
 
 
+HALF = "surge_half_duration"
 LOADS = ("preload", "installed_rate")
 SURGE = ("surge_frequency",)
 BIND = ("coil_bind_clearance",)
@@ -243,12 +262,14 @@ MODES = (
     Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),
     Rule("N102", "decides", "surge at {value}[, {spring}]", surges, SURGE,
          "[met by cam orders {order} to {last} at {speed} to {top}][met by cam order {lowest} at {speed}]"
-         "[strongest with cam order {strongest} at {speed}, {lift} of lift]"
+         "[strongest in use with cam order {strongest} at {speed}]"
          "[; {other} {other_value}: order {other_order} at {other_speed}]",
          "valvetrain {next} {case}", mark="", guide="models.md"),
     Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",
          step="valvetrain modes {case} --model modal-uniform"),
     Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
+    Rule("N112", "notes", "outer and inner surge {apart} apart, {more} than the {width} of their resonances: a speed shakes {whom}",
+         apart, guide="how-to/06-nested-springs.md"),
     Rule("N111", "notes", "train and springs as one: {closed} closed, {value} at full lift ({moving})", whole_train),
 )  # fmt: skip

@@ -284,7 +284,7 @@ RULES = (
          guide="how-to/10-seating.md"),
     Rule("C122", "notes", f"the longest flight lasts {{value}}[, from {{angle}}][ to {{landing}}][ {{at}}]{AGAIN}", flight, ("loft_gap",),
          remark=f"longest {{value}}[, {{angle..landing}}][, {{gap}} at the {{place}}]{AGAIN}", guide="how-to/09-loft.md"),
-    Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}", step=LASH,
+    Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}[ {at}], {part}", step=LASH,
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
          step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),

@@ -114,6 +114,8 @@ AT_REST: tuple[QuantityRow, ...] = (
         "cylindrical spring."),
     both("estimated_surge_frequency", "estimated surge frequency",
         "0.5 sqrt(k / m) of the estimated rate and the mass of the active turns, both ends fixed."),
+    both("surge_half_duration", "time in which surge halves",
+        "Time in which free surge falls to half its height by the damping of the spring, without that of rubbing springs."),
     both("card_rate", "rate of the card", "Rate as the spring card has it."),
     both("card_preload", "preload of the card", "Preload as the spring card has it."),
     both("card_mass", "mass of the card", "Mass as the spring card has it."),

@@ -228,13 +228,15 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     shared = search, ranking, limits, stress
     changes = map_points(_changed, shared, parts, count, processes=True, tell=done)
     unknown = (
-        _change(Part(f"damping {change}", "not known", train), ranking, limits, {NOMINAL: pair})
+        _change(
+            Part(f"damping {change}", "nobody knows it", train), ranking, limits, {NOMINAL: pair}
+        )
         for (cause, change), pair in limits.items()
         if cause == "damping"
     )
     unknowns = tuple(replace(one, chosen=False) for one in unknown)
     ordered = sorted(changes, key=lambda one: (bool(one.refusal), -one.gain))
-    return replace(ranking, changes=(*ordered, *unknowns))
+    return replace(ranking, changes=(*unknowns, *ordered))
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,7 @@ def static_study(
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
             still[f"{label}, {again + 1}" if again else label] = (
                 size_quantities(spring)
-                | (_estimates(spring) if command == "modes" else {})
+                | (_estimates(spring) | _ringing(spring, one) if command == "modes" else {})
                 | rest_quantities(one)
                 | buckling_quantities(installed, one, lift)
                 | _travel(installed, lift, case.train is not None)
@@ -183,6 +183,16 @@ def _estimates(spring: InstalledSpring) -> dict[str, float]:
         return {}
     rate, mass = estimated_rate(spring.wire)
     return {"estimated_rate": rate, "estimated_surge_frequency": 0.5 * float(np.sqrt(rate / mass))}
+
+
+def _ringing(spring: InstalledSpring, rest: SpringAtRest) -> dict[str, float]:
+    """How long free surge takes to halve (s); empty without damping or with a mass on the retainer."""
+    modes = rest.modes
+    if modes is None or modes.attached_mass is not None or not len(modes.axial_modes):
+        return {}
+    frequency = float(modes.axial_frequencies[0])
+    rate = spring.damping.ratio_at(frequency) * 2 * np.pi * frequency
+    return {"surge_half_duration": float(np.log(2) / rate)} if rate > 0 else {}
 
 
 def curve_by_model(

@@ -54,7 +54,8 @@ class PartRanking(Saveable):
     """Parts of a train by the engine speed of control that each gains.
 
     ``case``: its name; ``label`` of the train as it is, controlled up to ``engine_speed`` (rad/s of the crank; as in :class:`PartChange`);
-    changed trains were searched from ``first_engine_speed`` to ``last_engine_speed``. ``changes``: the largest gain first.
+    changed trains were searched from ``first_engine_speed`` to ``last_engine_speed``. ``changes``: what nobody
+    knows, then the parts, the largest gain first.
     ``seat_load`` (N); ``red_line`` (rad/s) and ``text`` of the case.
 
     >>> lighter = PartChange("valve 10 % lighter", engine_speed=800.0, gain=50.0, least_gain=40.0, largest_gain=60.0)

@@ -8,7 +8,15 @@ from itertools import chain
 
 from valvetrain.findings.engine import Findings, Mark
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_rest import BIND, lift_of, orders_of, speed_of, strongest
+from valvetrain.findings.rules_rest import (
+    BIND,
+    HALF,
+    IN_USE,
+    lift_of,
+    orders_of,
+    speed_of,
+    strongest,
+)
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
@@ -130,11 +138,18 @@ def _modes(words: Words) -> Iterator[tuple[str, Read, str]]:
     for place in range(MODES):
         yield f"axial mode {place + 1}", axial(place), "surge" if place == 0 else ""
 
+    def halves(one: State) -> str:
+        return words.amount(Amount(HALF, one.values[HALF])) if HALF in one.values else ""
+
+    yield "surge halves in", halves, "by its damping, without rubbing"
+
 
 def _meetings(
     facts: Facts, words: Words, states: Sequence[State]
 ) -> Iterator[tuple[str, Read, str]]:
-    """The engine speeds at which cam orders meet the first axial mode: of those in use the ones with the largest lift."""
+    """The engine speeds at which cam orders meet the first axial mode: of those in use the ones with the largest lift, and
+    the next above them.
+    """
 
     def read(order: int) -> Read:
         def cell(one: State) -> str:
@@ -146,11 +161,17 @@ def _meetings(
     if not math.isfinite(first):
         return
     highest, *lowest = orders_of(facts, first)
+    beyond = 0 if lowest or not facts.study.record.top_speed else highest - 1
     few = range(highest, lowest[0] - 1, -2) if lowest else strongest(facts, first, MODES)
-    for order in few:
+    for order in (*few, *[beyond] * (beyond > 0)):
         lift = lift_of(facts, order)
         size = "" if lift is None else f", {words.amount(lift)} of lift"
-        yield f"cam order {order}", read(order), f"meets axial mode 1{size}"
+        place = (
+            f"above the {IN_USE[facts.study.record.red_line is None]}"
+            if order == beyond
+            else "meets axial mode 1"
+        )
+        yield f"cam order {order}", read(order), f"{place}{size}"
 
 
 # -- tables ----------------------------------------------------------------------------------------

@@ -88,7 +88,9 @@ class CaseAnswer(ShownByRules):
                 (
                     "lash",
                     self.words.amount(Amount("maximum_lift", case.train.lash)),
-                    self._ramp_left(),
+                    ", ".join(
+                        (*(one.remark for one in self.findings.by("Q117")), self._ramp_left())
+                    ),
                 )
             )
         for label, place in (("closed", 0), ("full lift", 1)):

@@ -29,6 +29,7 @@ from valvetrain.views.style import (
     degrees,
     line,
     panels,
+    red_line,
     styled,
     window,
 )
@@ -66,8 +67,7 @@ def running_up(facts: Facts) -> go.Figure | None:
             values = [size * run.quantities.get(name, math.nan) for run in mine]
             one = line(at, values, label, colour, legendgroup=label, showlegend=row == 1)
             fig.add_trace(one, row, 1)
-    if math.isfinite(facts.red_line):
-        fig.add_vline(facts.red_line / RPM, line={"color": BAD, "width": 1.4, "dash": "dash"})
+    red_line(fig, facts.red_line / RPM)
     styled(fig, "engine speed, rpm", ("least force on the cam, N", "off the cam, mm"), 430)
     return fig.update_xaxes(tickformat="d")
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
-from valvetrain.findings.rules_rest import lift_of, orders_of, strongest
+from valvetrain.findings.rules_rest import IN_USE, lift_of, orders_of, strongest
 from valvetrain.findings.springs_at_rest import State, Together, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
@@ -26,6 +26,7 @@ from valvetrain.views.style import (
     degrees,
     line,
     panels,
+    red_line,
     styled,
     window,
 )
@@ -36,6 +37,8 @@ ORDERS = range(3, 31)
 WALL = 4.0
 #: Share by which surge frequencies differ whose cam orders are both labelled.
 APART = 0.02
+#: Opacity of an order above the speeds in use.
+PALE = 0.3
 #: Axial modes whose shapes are drawn.
 MODES = 4
 #: Printed forces that make a figure worth it.
@@ -237,6 +240,7 @@ def surge_orders(facts: Facts) -> go.Figure | None:
     least, most = 120 * min(surges) / first, 120 * max(surges) / last
     orders = {order: lift_of(facts, order) for order in range(last, first + 1)}
     lifts = {order: 1e6 * one.value for order, one in orders.items() if one is not None}
+    top = (facts.study.record.top_speed or math.inf) / RPM
     fig = panels((0.62, 0.38) if lifts else (1.0,))
     for order in orders:
         ends = [max(least * 0.95, 120 * low / order), min(most * 1.05, 120 * high / order)]
@@ -269,12 +273,12 @@ def surge_orders(facts: Facts) -> go.Figure | None:
             fig.add_trace(go.Scatter(
                 x=[speed, speed], y=[0.0, size], mode="lines+markers+text", text=["", f"{order}" * far], textposition="top center", name=name,
                 line={"color": colour, "width": 2}, marker={"size": [0, 6]}, showlegend=False, textfont={"size": 11, "color": colour},
+                opacity=1.0 if speed <= top else PALE,
             ), 2, 1)  # fmt: skip
     titles = ("frequency, Hz", "lift of the order, µm")
     styled(fig, "engine speed, rpm", titles[: 1 + bool(lifts)], 430)
-    red = facts.red_line / RPM
-    if math.isfinite(red) and 0.95 * least < red < 1.05 * most:
-        fig.add_vline(red, line={"color": BAD, "width": 1.4, "dash": "dash"})
+    if 0.95 * least < top < 1.05 * most:
+        red_line(fig, top, IN_USE[facts.study.record.red_line is None])
     fig.update_layout(hovermode="closest")
     fig.update_yaxes(range=[low, 1.04 * high], row=1, col=1)
     if lifts:
@@ -306,7 +310,7 @@ STATIC_CURVES = FigureSpec(
 )
 SURGE_ORDERS = FigureSpec(
     "Where cam orders meet the surge",
-    "cam order 1: once a cam revolution, two of the crank; below how much of the lift has the order, 0 to peak; dashed: red line",
+    "cam order 1: once a cam revolution, two of the crank; below how much of the lift has the order, 0 to peak, pale above the speeds in use",
     surge_orders,
 )
 MODE_SHAPES = FigureSpec("Shapes of the axial modes", "0 to peak, the largest is 1", mode_shapes)

@@ -24,6 +24,7 @@ from valvetrain.views.style import (
     dots,
     line,
     panels,
+    red_line,
     styled,
 )
 
@@ -151,7 +152,7 @@ def speeds(facts: Facts) -> go.Figure | None:
             ("surge_amplitude_force", f"surge, 0 to peak{whose}", other, dash),
         ):
             fig.add_trace(_curve(facts, label, name, word, shade, style), 2, 1)
-    _red_line(fig, facts)
+    red_line(fig, facts.red_line / RPM)
     styled(fig, "engine speed, rpm", ("", "N"), 430)
     fig.update_layout(
         barmode="overlay", hovermode="closest", margin={"l": 92, "b": 84},
@@ -160,15 +161,6 @@ def speeds(facts: Facts) -> go.Figure | None:
     fig.update_yaxes(rangemode="tozero", row=2, col=1)
     fig.update_yaxes(gridcolor="rgba(0,0,0,0)", automargin=True, row=1, col=1)
     return fig.update_xaxes(range=[first, last], tickformat="d")
-
-
-def _red_line(fig: go.Figure, facts: Facts) -> None:
-    if math.isfinite(facts.red_line):
-        fig.add_vline(facts.red_line / RPM, line={"color": BAD, "width": 1.4, "dash": "dash"})
-        fig.add_annotation(
-            x=facts.red_line / RPM, y=1.0, yref="paper", yanchor="bottom", text="red line", showarrow=False,
-            font={"size": 11, "color": BAD},
-        )  # fmt: skip
 
 
 def _curve(
@@ -224,7 +216,7 @@ def spin(facts: Facts) -> go.Figure | None:
                 row=row,
                 col=1,
             )
-    _red_line(fig, facts)
+    red_line(fig, facts.red_line / RPM)
     styled(
         fig,
         "engine speed, rpm",
@@ -246,7 +238,7 @@ def forces(facts: Facts) -> go.Figure | None:
         fig.add_trace(
             _curve(facts, label, "minimum_retainer_force", f"least, {label}", SECOND, dash)
         )
-    _red_line(fig, facts)
+    red_line(fig, facts.red_line / RPM)
     return styled(fig, "engine speed, rpm", ("N",), 430).update_xaxes(tickformat="d")
 
 

@@ -66,8 +66,10 @@ class PartsAnswer(ShownByRules):
         if change.refusal:
             return Line(change.part, ("–",) * len(self.headings), "warn", change.refusal)
         marks: tuple[Mark, ...] = ("", "ok", "bad")
-        mark = marks[change.sign] if change.chosen else ""
+        doubts = [one for one in self.findings.by("W311") if one.fields["part"] == change.part]
+        mark = marks[change.sign] if change.chosen else "warn" if doubts else ""
         price = "; ".join(filter(None, ("" if change.sign else "not sure", change.price)))
+        price = doubts[0].remark if doubts else price
         stress = self._signed("peak_shear_stress", change.stress_change)
         cells = (
             reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change),

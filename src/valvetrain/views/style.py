@@ -85,6 +85,15 @@ def styled(fig: go.Figure, x: str, y: tuple[str, ...], height: int = 360) -> go.
     return fig
 
 
+def red_line(fig: go.Figure, engine_speed: float, word: str = "red line") -> None:
+    """Mark the highest ``engine_speed`` in use (rpm) across all panels; nothing where it is not finite."""
+    if math.isfinite(engine_speed):
+        fig.add_vline(engine_speed, line={"color": BAD, "width": 1.4, "dash": "dash"})
+        fig.add_annotation(
+            x=engine_speed, y=1.0, yref="paper", yanchor="bottom", text=word, showarrow=False, font={"size": 11, "color": BAD},
+        )  # fmt: skip
+
+
 def line(
     x: ArrayLike, y: ArrayLike, name: str, colour: str, dash: str = "solid", **more: Any
 ) -> go.Scatter:
