@@ -74,6 +74,12 @@ def test_springs_are_shimmed_stiffened_and_made_lighter(springs: str) -> None:
         more, same = loads(trains[f"seat load +{pounds} lbf"])
         assert more - seat == pytest.approx(pounds * POUND_FORCE, rel=0.02)
         assert same == pytest.approx(rise, rel=0.02)
+    springs_in_use = case.train.spring_parts(springs)
+    close = {one.name: one.train for one in parts_of(case.train, springs, 10e-3)}[
+        "1.4 mm to coil bind"
+    ]
+    left = min(one.room for one in close.spring_parts(springs)) - 10e-3
+    assert left == pytest.approx(1.4e-3) and close.spring_parts(springs) != springs_in_use
     same, more = loads(trains["rate 10 % stiffer"])
     assert same == pytest.approx(seat, rel=0.02) and more == pytest.approx(1.1 * rise, rel=0.02)
     assert loads(trains["spring 10 % lighter"]) == pytest.approx((seat, rise), rel=1e-6)
@@ -206,7 +212,7 @@ def test_gains_of_one_mass_are_those_of_rigid_theory(tmp_path: Path) -> None:
 
     own = rigid(case)
     assert ranking.engine_speed == pytest.approx(own, rel=5e-3)
-    trains = {one.name: one.train for one in parts_of(case.train, "card")}
+    trains = {one.name: one.train for one in parts_of(case.train, "card", 9e-3)}
     assert {one.part for one in ranking.choices} == {*trains}
     for one in ranking.choices:
         wanted = rigid(case.replace(train=trains[one.part])) - own

@@ -12,8 +12,9 @@ from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import inline
+from valvetrain.runs.api import simulate
 from valvetrain.runs.statics import curve_by_model
-from valvetrain.units import to_unit
+from valvetrain.units import parse_quantity, to_unit
 
 #: What people change, by its key in a table of the springs or at the top of the case.
 OF_SPRING = {
@@ -69,7 +70,7 @@ def request_text(kind: str, case: Case, name: str) -> str:
     """The file of a ``study``, ``lash``, ``optimise`` or ``identify`` about a case that it calls ``name``,
     with ``NAME.toml`` for its own name.
 
-    Raises :class:`InputError` where the case has no lift, no train, no wire or nothing that may be varied.
+    Raises :class:`InputError` where the case has no lift, no train, no damping or nothing that may be varied.
     """
     texts = {"study": _study, "lash": _lash, "optimise": _search, "identify": _identification}
     return texts[kind](case, inline(name))
@@ -168,14 +169,51 @@ quantity = "{bound}
 {_varied(dict(list(keys.items())[:3]), 0.8, 1.25)}"""
 
 
+def _damping(case: Case, name: str, table: str) -> str:
+    """The damping of a spring by its card from surge on a rig; the values of the case stand in their place."""
+    keys = (f"{table}.damping.{one}" for one in ("ratio", "stiffness_damping", "mass_damping"))
+    key = next((one for one in keys if _moves(case, one)), None)
+    if key is None:
+        raise InputError(
+            "its spring has neither a wire nor damping to find; give it damping", "--case"
+        )
+    top = _top(case)
+    study = simulate(
+        case, [parse_quantity(f"{share * top:.0f} rpm", "angular speed") for share in SHARES[1:]]
+    )
+    measured = "".join(
+        f"""
+[measurements.surge_at_{to_unit(run.engine_speed, "rpm"):.0f}]
+quantity = "surge_amplitude_force"
+value = "{run.quantities["surge_amplitude_force"]:.4g} N"
+scatter = "5 %"
+engine_speed = "{to_unit(run.engine_speed, "rpm"):.0f} rpm"
+"""
+        for run in study.solutions
+    )
+    return f"""# Damping of a spring from its surge on a rig: 'valvetrain rig' reads the amplitudes from a recording.
+#
+#     valvetrain identify NAME.toml
+
+case = {name}
+search = {{ draws = 30 }}
+
+[quantities.damping]
+key = {inline(key)}
+as = "factor" # of the case
+prior = "log-uniform"
+low = 0.25
+high = 4.0
+
+# The amplitudes are those of the case: put yours, their scatter and their speeds in their place.
+{measured}"""
+
+
 def _identification(case: Case, name: str) -> str:
     spring = (case.train.spring_parts() if case.train else case.springs)[0]
-    if spring.wire is None:
-        raise InputError(
-            "its spring is known by a card, whose loads are what a tester reads; identify finds the wire of one known by its coils",
-            "--case",
-        )
     table = f"train.springs.{case.train.spring_set}.0" if case.train else "spring"
+    if spring.wire is None:
+        return _damping(case, name, table)
     curve = curve_by_model(spring, "wave-rod", 0.0, None, 8)
     places = (1e3 * (spring.wire.free_length - at) for at in curve.compression[3:])
     heights, forces = (", ".join(f"{at:.4g}" for at in row) for row in (places, curve.force[3:]))

@@ -31,7 +31,7 @@ REQUESTS = {
     "study": "what decides in a case",
     "lash": "where and how fast its valve lands over lash",
     "optimise": "the best spring for it",
-    "identify": "its wire from measured loads",
+    "identify": "its wire from measured loads, by a card its damping from measured surge",
 }
 #: Kind of request -> the command that runs it, where that has another name.
 COMMANDS = {"lash": "study"}

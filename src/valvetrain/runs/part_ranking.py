@@ -13,7 +13,7 @@ from valvetrain.parameters.material import Material
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.parameters.train_parts import PushrodParameters
 from valvetrain.runs.critical_speeds import CriticalOptions, speeds_near
-from valvetrain.runs.prepared import Plan, PreparedRun
+from valvetrain.runs.prepared import Plan, PreparedRun, largest_lift
 from valvetrain.runs.refusals import refuse_implausible
 from valvetrain.runs.requests import Parts, Watch
 from valvetrain.runs.run import sweep_study
@@ -37,6 +37,8 @@ TUBES = {
     "7/16 × 0.125 in": (0.4375, 0.125), "7/16 × 0.165 in": (0.4375, 0.165), "1/2 × 0.188 in": (0.5, 0.188),
 }  # fmt: skip
 TRIED, STIFFER = 2, 1.05
+#: What many run to coil bind at full lift (m), to calm the coils.
+COIL_BIND = 1.4e-3
 INCH, POUND_FORCE, LASH = 0.0254, 4.4482216, 50e-6
 #: Speeds searched, over the range of the train as it is: below its least and above its largest critical speed.
 BELOW, ABOVE = 0.94, 1.2
@@ -62,13 +64,14 @@ class Part:
     setting: str = ""
 
 
-def parts_of(train: TrainParameters, spring_set: str) -> Iterator[Part]:
+def parts_of(train: TrainParameters, spring_set: str, lift: float = math.inf) -> Iterator[Part]:
     """The trains in which a part that the ``train`` has is changed.
 
     Parameters
     ----------
     train : as it is
     spring_set : name of the set in use
+    lift : largest valve lift (m), from which springs may be installed closer to coil bind
 
     Examples
     --------
@@ -105,14 +108,14 @@ def parts_of(train: TrainParameters, spring_set: str) -> Iterator[Part]:
     for name, mass, stiffness in stiffer_pushrods(pushrod):
         tube = {"mass": (mass, "g"), "stiffness": (stiffness, "kN/mm")}
         yield part(name, "needs room in the head", "pushrod", **tube)
-    yield from _springs(train, spring_set)
+    yield from _springs(train, spring_set, lift)
     for sign, word in ((1, "more"), (-1, "less")):
         if 0 < train.lash > -sign * LASH:
             price = "louder, lands faster" if sign > 0 else "may hang open when hot"
             yield part(f"lash 0.05 mm {word}", price, "", lash=(train.lash + sign * LASH, "mm"))
 
 
-def _springs(train: TrainParameters, spring_set: str) -> Iterator[Part]:
+def _springs(train: TrainParameters, spring_set: str, lift: float) -> Iterator[Part]:
     """The changes of the springs in use."""
     springs = train.spring_parts(spring_set)
 
@@ -124,6 +127,11 @@ def _springs(train: TrainParameters, spring_set: str) -> Iterator[Part]:
         shim = pounds * POUND_FORCE / rate
         price = f"cam wear and torque, {shim * 1e3:.1f} mm nearer coil bind"
         yield part(f"seat load +{pounds} lbf", price, *(_shimmed(one, shim) for one in springs))
+    left = min((one.room for one in springs if one.room is not None), default=0.0) - lift
+    if (shim := left - COIL_BIND) > 0:
+        name = f"{COIL_BIND * 1e3:g} mm to coil bind"
+        price = f"cam wear and torque, a shim of {shim * 1e3:.1f} mm"
+        yield part(name, price, *(_shimmed(one, shim) for one in springs))
     for factor, word, price in (
         (1 + TENTH, "stiffer", "cam wear and torque over the nose"),
         (1 - TENTH, "softer", ""),
@@ -203,7 +211,7 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     base = sweep_study(request, Watch(lambda share, text: tell(OF_BASE * share, text)))
     limits = limits_of(base.critical_speeds)
     limit, first = limits[NOMINAL][0], base.engine_speeds[0]
-    _, _, seat, stress = _prepared(request, train, first)
+    problem, _, seat, stress = _prepared(request, train, first)
     ranking = PartRanking(
         base.record.name, base.labels[0], limit, first, base.engine_speeds[-1], seat_load=seat, red_line=base.record.red_line,
         text=base.record.text,
@@ -220,7 +228,7 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     options = CriticalOptions(RESOLUTION * limit, request.float_lift, request.bounce_height)
     search = Search(request, (first, last), kinds, options)
     ranking = replace(ranking, first_engine_speed=first, last_engine_speed=last)
-    parts = tuple(parts_of(train, request.spring_sets[0]))
+    parts = tuple(parts_of(train, request.spring_sets[0], largest_lift(problem)))
 
     def done(finished: int, total: int) -> None:
         tell(OF_BASE + (1 - OF_BASE) * finished / total, "parts")
