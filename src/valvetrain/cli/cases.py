@@ -139,6 +139,18 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
 register_check = command_of(Check, SavedLine, check, limit=None)
 
 
+def first_answer(case: Case) -> str:
+    """What ``check`` says first of a case, without any run. Raises :class:`InputError` for what is wrong with it."""
+    from valvetrain.cli.cam_facts import cam_facts, gear_of
+    from valvetrain.cli.case_facts import case_quantities
+    from valvetrain.views.case_answer import CaseAnswer, CaseFacts
+
+    problem = put_together(case, ())
+    values = case_quantities(case, problem) | cam_facts(case, problem)[0]
+    facts = CaseFacts(case, values, gear_of(problem), problem is not None)
+    return f"{CaseAnswer(facts).verdict}"
+
+
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
     """Build everything that ``run`` builds, the springs of every set too, since some errors appear
     only there; a set that no run uses is warned of. None for a lift law alone.

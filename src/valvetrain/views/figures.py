@@ -34,6 +34,8 @@ from valvetrain.views.style import (
     window,
 )
 
+#: Height of a word, as a share of the panel.
+WORD = 0.09
 #: Share of a peak by which a panel of forces reaches above it.
 ROOM = 1.25
 #: Share by which a peak of all steps is above that of the samples drawn where it is written next to them.
@@ -93,7 +95,9 @@ def control(facts: Facts) -> go.Figure | None:
     peak = run.quantities.get("peak_open_cam_contact_force", 0.0)
     if peak > (1 + BETWEEN) * opened.max():
         at, text = angle[int(np.argmax(opened))], f"{peak:.0f} N between samples"
-        fig.add_annotation(x=at, y=top, text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1)  # fmt: skip
+        fig.add_annotation(  # below the words of a loss and of a landing
+            x=at, y=1 - 2 * WORD, yref="y domain", text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1,
+        )  # fmt: skip
     least = facts.least_angle(run, "cam_contact_force")
     if least is not None and not facts.losses(run):
         low = run.quantities.get("minimum_cam_contact_force", math.nan)
@@ -127,7 +131,7 @@ def _mark_losses(fig: go.Figure, run: Solution, facts: Facts) -> None:
         side = 1 if angle < (low + 2 * high) / 3 else -1
         fig.add_vline(angle, line={"color": colour, "width": 1, "dash": "dot"})
         fig.add_annotation(
-            x=angle, y=1 - 0.09 * place, yref="y domain", text=f"{word} {angle:.0f}°", showarrow=False,
+            x=angle, y=1 - WORD * place, yref="y domain", text=f"{word} {angle:.0f}°", showarrow=False,
             xanchor="left" if side > 0 else "right", xshift=3 * side, font={"size": 11, "color": colour}, row=1, col=1,
         )  # fmt: skip
 

@@ -14,6 +14,7 @@ from typing import Any
 from nicegui import events, ui
 from pydantic import ValidationError
 
+from valvetrain.cli.cases import first_answer
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench.form import CaseForm
@@ -51,6 +52,8 @@ from valvetrain.workbench.workspace import CaseId
 LOOK, SLOW_LOOK = 0.05, 10
 #: Groups of the form that are open at first, and earlier runs listed.
 OPEN_GROUPS, MAX_RUNS = 1, 8
+#: What is shown of a case without runs.
+NO_RUN = "none"
 #: Jobs of the case whose choices its page begins with.
 MAX_JOBS = 10
 
@@ -69,6 +72,14 @@ def current_text(desk: Desk, case: CaseId) -> tuple[str, Case]:
     """Text of a case, and what is read of it. Raises :class:`InputError` for an unknown one."""
     text = desk.workspace.text(case)
     return text, desk.workspace.parse(case, text)
+
+
+def first_said(case: Case) -> str:
+    """What is said of a case that has not run yet: what ``check`` says, or what is wrong with it."""
+    try:
+        return first_answer(case)
+    except ValvetrainError as error:
+        return sentence_of(error)
 
 
 def missing_page(title: str, sentence: str) -> None:
@@ -114,13 +125,13 @@ class CasePage:
         earlier = [jobs.request(one.job_id) for one in jobs.jobs(self.case, MAX_JOBS)]
         with frame(self.read.title or self.case):
             tag("h1", self.read.title or self.case)
+            self.newest = tag("p", classes="newest")
             quantities = sliding(case_form.groups)
             self.order = Order(
                 {"estimate": self.estimate, "run": self.start},
                 **orders_for(self.read, quantities, earlier),
             )
             self.panel = JobPanel({"cancel": self.cancel, "again": self.again})
-            self.newest = tag("p", classes="newest")
             with tag("div", classes="split"):
                 tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
                 with tag("div", classes="row"):
@@ -239,6 +250,8 @@ class CasePage:
         self.undoing.set_visibility(self.desk.workspace.last_change(self.case) is not None)
         self.side_files.show()
         self.own_float = None
+        if self.shown_run == NO_RUN:  # its first answer is that of the case as it was
+            self.shown_run = ""
         self.slide(quantities)
         self.figure.set_visibility(has_picture(self.read))
         await self.draw()
@@ -379,11 +392,13 @@ class CasePage:
         chosen: Run | None = next((one for one in runs if one.run_id == run_id), None) or next(
             iter(runs), None
         )
-        self.shown_run = run_id or (chosen.run_id if chosen is not None else "none")
+        self.shown_run = run_id or (chosen.run_id if chosen is not None else NO_RUN)
+        self.newest.clear()
         if chosen is None:
+            with self.newest:
+                tag("strong", await asyncio.to_thread(first_said, self.read))
             return
         self.results.tell(source=f"/part/{chosen.run_id}")
-        self.newest.clear()
         with self.newest:
             if chosen.verdict:
                 tag("strong", chosen.verdict)
