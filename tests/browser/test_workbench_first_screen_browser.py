@@ -39,6 +39,24 @@ def number_of(page: Any, label: str) -> float:
     return float(re.match(r"[-−\d.]+", told)[0])
 
 
+def test_a_case_that_has_not_run_opens_with_what_check_says(bench):
+    """Above the forms, and after a change what is in doubt of the changed case."""
+    with watched(bench) as page:
+        open_case(bench, page, CASE)
+        said = page.locator(".newest strong", has_text="ready to run")
+        said.wait_for(timeout=60_000)
+        assert said.bounding_box()["y"] < page.locator(".inputs").bounding_box()["y"]
+        page.evaluate(
+            "document.querySelectorAll('.inputs details').forEach(one => one.open = true)"
+        )
+        page.fill("#field-operation-red_line", "9500 rpm")
+        page.keyboard.press("Enter")
+        short = page.locator(".newest strong", has_text="short of a fifth above inertia")
+        short.wait_for(timeout=60_000)
+        page.get_by_role("button", name="Undo the last change").click()
+        said.wait_for(timeout=60_000)
+
+
 def test_a_table_is_added_the_law_changed_and_both_are_taken_back(bench):
     """Without TOML: a spring inside the first, another kind of lift law; the file says so each time."""
     with watched(bench) as page:

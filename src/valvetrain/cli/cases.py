@@ -143,7 +143,8 @@ def first_answer(case: Case) -> str:
     """What ``check`` says first of a case, without any run. Raises :class:`InputError` for what is wrong with it."""
     from valvetrain.cli.cam_facts import cam_facts, gear_of
     from valvetrain.cli.case_facts import case_quantities
-    from valvetrain.views.case_answer import CaseAnswer, CaseFacts
+    from valvetrain.findings.rules_case import CaseFacts
+    from valvetrain.views.case_answer import CaseAnswer
 
     problem = put_together(case, ())
     values = case_quantities(case, problem) | cam_facts(case, problem)[0]

@@ -64,14 +64,16 @@ class Part:
     setting: str = ""
 
 
-def parts_of(train: TrainParameters, spring_set: str, lift: float = math.inf) -> Iterator[Part]:
+def parts_of(
+    train: TrainParameters, spring_set: str, valve_lift: float = math.inf
+) -> Iterator[Part]:
     """The trains in which a part that the ``train`` has is changed.
 
     Parameters
     ----------
     train : as it is
     spring_set : name of the set in use
-    lift : largest valve lift (m), from which springs may be installed closer to coil bind
+    valve_lift : the largest (m), from which springs may be installed closer to coil bind
 
     Examples
     --------
@@ -108,14 +110,14 @@ def parts_of(train: TrainParameters, spring_set: str, lift: float = math.inf) ->
     for name, mass, stiffness in stiffer_pushrods(pushrod):
         tube = {"mass": (mass, "g"), "stiffness": (stiffness, "kN/mm")}
         yield part(name, "needs room in the head", "pushrod", **tube)
-    yield from _springs(train, spring_set, lift)
+    yield from _springs(train, spring_set, valve_lift)
     for sign, word in ((1, "more"), (-1, "less")):
         if 0 < train.lash > -sign * LASH:
             price = "louder, lands faster" if sign > 0 else "may hang open when hot"
             yield part(f"lash 0.05 mm {word}", price, "", lash=(train.lash + sign * LASH, "mm"))
 
 
-def _springs(train: TrainParameters, spring_set: str, lift: float) -> Iterator[Part]:
+def _springs(train: TrainParameters, spring_set: str, valve_lift: float) -> Iterator[Part]:
     """The changes of the springs in use."""
     springs = train.spring_parts(spring_set)
 
@@ -127,7 +129,7 @@ def _springs(train: TrainParameters, spring_set: str, lift: float) -> Iterator[P
         shim = pounds * POUND_FORCE / rate
         price = f"cam wear and torque, {shim * 1e3:.1f} mm nearer coil bind"
         yield part(f"seat load +{pounds} lbf", price, *(_shimmed(one, shim) for one in springs))
-    left = min((one.room for one in springs if one.room is not None), default=0.0) - lift
+    left = min((one.room for one in springs if one.room is not None), default=0.0) - valve_lift
     if (shim := left - COIL_BIND) > 0:
         name = f"{COIL_BIND * 1e3:g} mm to coil bind"
         price = f"cam wear and torque, a shim of {shim * 1e3:.1f} mm"
