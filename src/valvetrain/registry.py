@@ -96,7 +96,6 @@ BUILT_IN["answers"] = {
     "CriticalSpeeds": "valvetrain.views.data:critical_speeds",
     "Branches": "valvetrain.views.branches:BranchesAnswer",
     "PartRanking": "valvetrain.views.parts:PartsAnswer",
-    "Comparison": "valvetrain.views.data:comparison",
     "MeasuredCycles": "valvetrain.views.data:measured_cycles",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
     "RigResult": "valvetrain.rig.answer:RigAnswer",

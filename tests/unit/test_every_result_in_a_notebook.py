@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from synthetic_study import at_rest, critical_speeds, published_study
+from synthetic_study import at_rest, critical_speeds
 from valvetrain import registry
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.solution.modes import TrainModes
@@ -59,7 +59,6 @@ DATA = {
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
     "TrainModes": (train_modes, "natural frequency", "share of kinetic energy, %"),
     "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed, rpm"),
-    "Comparison": (lambda: published_study().comparisons[0], "published", ", N"),
     "MeasuredCycles": (cycles, "largest", "valve lift, mm"),
 }  # fmt: skip
 

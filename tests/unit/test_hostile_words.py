@@ -17,9 +17,9 @@ from unit.cli_parts import SMALL
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.views.answer import Answer
+from valvetrain.views.columns import csv_of
 from valvetrain.views.page import page_of
 from valvetrain.views.results import write_study
-from valvetrain.views.study_files import quoted
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"
@@ -96,7 +96,7 @@ def test_labels_of_a_train_stay_words_in_every_script_of_its_page():
 
 @pytest.mark.parametrize("words", ["=1+1", "+cmd", "-x", "@SUM(A1)", "\tx", "\rx", '="a",b'])
 def test_a_cell_of_words_is_no_formula(words):
-    (row,) = csv.reader(io.StringIO(quoted(words)))
+    _, row = csv.reader(io.StringIO(csv_of(["word"], [[words]]), newline=""))
     assert row == [f"'{words}"]
 
 
@@ -111,7 +111,7 @@ def test_a_cell_of_words_is_no_formula(words):
     ],
 )
 def test_numbers_stay_numbers(value, cell):
-    assert quoted(value) == cell
+    assert csv_of(["number"], [[value]]).splitlines()[1] == cell
 
 
 def test_no_cell_of_any_written_table_is_a_formula(tmp_path):

@@ -14,7 +14,7 @@ from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.columns import RowColumn, csv_row, csv_text, json_row
+from valvetrain.views.columns import RowColumn, csv_of, csv_row, json_row
 
 Columns = tuple[RowColumn, ...]
 MODEL = RowColumn("model", value="label")
@@ -150,7 +150,7 @@ def write_compare_test(result: ModelAgainstTest, folder: Path) -> list[Path]:
     if not isinstance(test, MeasuredCycles):
         headings = ("run", *(column.csv for column in VALUES if column.csv))
         rows = ((run.label, *csv_row(VALUES, row)) for run in result.runs for row in run.values)
-        return [write_text(folder / "values.csv", csv_text(headings, rows))]
+        return [write_text(folder / "values.csv", csv_of(headings, rows, 9))]
     columns = {"cam angle [deg]": np.degrees(test.cam_angle), f"test [{test.unit}]": test.mean}
     for run in result.runs:
         if run.curve is not None:
@@ -158,5 +158,5 @@ def write_compare_test(result: ModelAgainstTest, folder: Path) -> list[Path]:
         if run.band is not None:
             columns[f"{run.label} less test [{test.unit}]"] = run.band.difference
             columns[f"half width of its band [{test.unit}] ({run.label})"] = run.band.half_width
-    curves = csv_text(columns, np.column_stack(list(columns.values())).tolist())
+    curves = csv_of(columns, np.column_stack(list(columns.values())).tolist(), 9)
     return [write_text(folder / "curves.csv", curves)]

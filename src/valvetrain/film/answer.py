@@ -21,7 +21,7 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.json import json_estimate, json_fields
 from valvetrain.parameters.summary import percent
 from valvetrain.solution.atomic import write_text
-from valvetrain.views.columns import RowColumn, csv_row, csv_text, json_row, table_of
+from valvetrain.views.columns import RowColumn, csv_of, csv_row, json_row, table_of
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import (
     ANGLE,
@@ -222,7 +222,7 @@ class FilmAnswer(ShownByRules):
             curves = np.column_stack([np.degrees(model.cam_angle), 1e3 * model.displacement])
             tables["model.csv"] = ("cam angle [deg]", *named), curves.tolist()
         return files + [
-            write_text(folder / name, csv_text(*table)) for name, table in tables.items()
+            write_text(folder / name, csv_of(*table, 9)) for name, table in tables.items()
         ]
 
     def figures(self) -> Mapping[str, FigureSpec]:

@@ -20,7 +20,7 @@ from valvetrain.rig.result import Peak, RigChannelCycles, RigResult, mean_peak, 
 from valvetrain.rig.rules import RULES, RigFacts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.columns import RowColumn, csv_text, json_row, table_of
+from valvetrain.views.columns import RowColumn, csv_of, json_row, table_of
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import (
     ANGLE,
@@ -201,7 +201,7 @@ class RigAnswer(ShownByRules):
             ]
         names, values = zip(*columns, strict=True)
         head = "# synthetic: computed, not measured\n" * result.synthetic
-        text = csv_text(names, np.column_stack(values).tolist())
+        text = csv_of(names, np.column_stack(values).tolist(), 9)
         return [*files, write_text(folder / "means.csv", head + text)]
 
     def figures(self) -> Mapping[str, FigureSpec]:

@@ -14,8 +14,9 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.runs.compare import compare_study
-from valvetrain.runs.cost import FEWER_AT_REST, limits_of, refuse_cost, spring_cost
+from valvetrain.runs.cost import FEWER_AT_REST, refuse_cost, spring_cost
 from valvetrain.runs.prepared import largest_lift
+from valvetrain.runs.request_fields import read_limit
 from valvetrain.runs.requests import Compare, Run, SpeedRequest, Sweep, Watch
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.runs.statics import STEPS, curve_by_model
@@ -289,6 +290,6 @@ def static_curve(
     end = None
     if largest_compression is not None:
         end = si(largest_compression, "compression", "largest_compression")
-    limits = limits_of(limit)
-    refuse_cost(spring_cost(installed, model, steps), limits, "limit=", FEWER_AT_REST)
+    bounds = read_limit(limit, "limit")
+    refuse_cost(spring_cost(installed, model, steps), bounds, "limit=", FEWER_AT_REST)
     return curve_by_model(installed, model, lift, end, steps, implausible)

@@ -63,18 +63,6 @@ def read_limits(texts: Sequence[str] | None, where: str = "--limit") -> Limits:
     return limits
 
 
-def limits_of(limit: str) -> Limits:
-    """Limits from ``"2 h, 8 GB"``, empty for the defaults. Raises :class:`InputError` for anything
-    else.
-    """
-    if not isinstance(limit, str):
-        raise InputError(
-            f"'{str(limit)[:40]}' is no bound; write a time and a memory such as '2 h, 8 GB'",
-            "limit",
-        )
-    return read_limits((limit,) if limit else (), "limit")
-
-
 def cost_text(cost: Cost) -> str:
     """The cost in suitable units."""
     return f"about {duration_text(cost.seconds)} and {memory_text(cost.bytes)}"

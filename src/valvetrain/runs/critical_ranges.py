@@ -11,9 +11,8 @@ from itertools import pairwise
 
 from valvetrain.integrate.train_leapfrog import SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.critical_scan import SCAN, Scan
-from valvetrain.runs.error_bars import divided
+from valvetrain.runs.error_bars import divided, wire_damped
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.critical import DAMPING_FACTORS, RPM, RangeMember, SpeedBracket
@@ -71,7 +70,7 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
     finer = tuple(divided(member, spring, DIVISION) for spring in member.springs)
     changed = [("mesh", _times(DIVISION), replace(member, springs=finer))]
     for factor in DAMPING_FACTORS:
-        damped = tuple(_damped(spring, factor) for spring in member.springs)
+        damped = tuple(wire_damped(spring, factor) for spring in member.springs)
         changed.append(("damping", _times(factor), replace(member, springs=damped)))
     for word in member.model.beside:
         changed.append(("model", word, replace(member, model=spring_model(word), instead="")))
@@ -89,13 +88,6 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
 
 def _times(factor: float) -> str:
     return f"×{factor:g}"
-
-
-def _damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
-    damping = spring.damping
-    mass, stiffness = factor * damping.mass_damping, factor * damping.stiffness_damping
-    changed = damping.replace(mass_damping=mass, stiffness_damping=stiffness)
-    return replace(spring, damping=changed)
 
 
 def range_members(

@@ -248,13 +248,16 @@ def stiffened(spring: InstalledSpring, factor: float) -> InstalledSpring:
 
 def damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
     """A spring whose wire and whose coil contacts are damped ``factor`` times as much."""
-    damping, contact = spring.damping, spring.contact
-    wire = damping.replace(
-        mass_damping=factor * damping.mass_damping,
-        stiffness_damping=factor * damping.stiffness_damping,
-    )
-    coils = replace(contact, damping_time=factor * contact.damping_time)
-    return replace(spring, damping=wire, contact=coils)
+    coils = replace(spring.contact, damping_time=factor * spring.contact.damping_time)
+    return replace(wire_damped(spring, factor), contact=coils)
+
+
+def wire_damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring whose wire is damped ``factor`` times as much."""
+    damping = spring.damping
+    mass, stiffness = factor * damping.mass_damping, factor * damping.stiffness_damping
+    changed = damping.replace(mass_damping=mass, stiffness_damping=stiffness)
+    return replace(spring, damping=changed)
 
 
 def divided(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,10 +13,11 @@ from valvetrain.integrate.train_leapfrog import LARGE_SAMPLES
 from valvetrain.integrate.train_leapfrog import SAMPLES as TRAIN_SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.clash import ClashWindow, find_clash_window, main_clash_quantities
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refine_cost, refuse_cost
+from valvetrain.runs.api import Speeds
+from valvetrain.runs.cost import FEWER_REFINED, Limits, refuse_cost
 from valvetrain.runs.error_bars import (
     OWN,
     ROUNDING,
@@ -47,9 +48,10 @@ from valvetrain.runs.refine_variants import (
     variants_of,
 )
 from valvetrain.runs.refusals import checked_speeds
+from valvetrain.runs.requests import Refine
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.stored_error_bars import ROD
-from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress, worker_count
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import reason
@@ -58,19 +60,15 @@ from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import Given, known_arguments, si_speeds
 
 
-@known_arguments
 @shows_progress("refine")
 def refine(
     case: AnyCase,
-    engine_speeds: Given | Sequence[Given] | None = None,
+    engine_speeds: Speeds | None = None,
     *,
-    workers: int | None = None,
     progress: Progress | None = None,
-    limit: str = "",
-    implausible: bool = False,
+    **options: Any,
 ) -> UncertaintyStudy:
     """Error bars of the headline numbers: finer meshes and steps, other contact constants.
 
@@ -83,10 +81,8 @@ def refine(
         law, or a train
     engine_speeds : speeds of the crank, "4200 rpm", rad/s or pint quantities; the case's own by
         default
-    workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
-    limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
-    implausible : let values pass that no valvetrain can have (docs/plausible.md)
+    options : ``workers``, ``limit`` and ``implausible`` as for :func:`valvetrain.simulate`
 
     Returns
     -------
@@ -107,11 +103,15 @@ def refine(
     >>> row.numerical < 0.01 * row.value
     True
     """
-    limits, case, count = limits_of(limit), case_of(case), worker_count(workers)
-    speeds = None if engine_speeds is None else si_speeds(engine_speeds)
-    refuse_cost(refine_cost(case, speeds, count), limits, "limit=", FEWER_REFINED)
+    request = Refine.read({"case": case, "engine_speeds": engine_speeds, **options})
+    refuse_cost(request.cost(), request.limit, "limit=", FEWER_REFINED)
     return refined(
-        case, speeds, workers=count, progress=progress, limits=limits, implausible=implausible
+        request.case,
+        request.engine_speeds,
+        workers=request.worker_count,
+        progress=progress,
+        limits=request.limit,
+        implausible=request.implausible,
     )
 
 

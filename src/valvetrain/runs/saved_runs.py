@@ -64,6 +64,13 @@ class Choices(BaseModel):
     models: list[str] = []
 
 
+class StoredFinding(BaseModel):
+    """A finding of ``run.json``, as far as it is read back."""
+
+    code: str
+    text: str
+
+
 class Answer(BaseModel):
     """The entries of ``run.json`` that are read back."""
 
@@ -73,6 +80,9 @@ class Answer(BaseModel):
     command: str = ""
     files: list[str] = []
     choices: Choices = Choices()
+    command_line: list[str] = []
+    failures: list[str] = []
+    findings: list[StoredFinding] = []
     quantities: dict[str, Measured] = {}
     quantities_by_label: dict[str, dict[str, Measured]] = {}
     runs: list[AnsweredRun] = []
@@ -134,25 +144,23 @@ class SavedRun:
     @property
     def choices(self) -> Mapping[str, Any]:
         """Options of the command."""
-        choices = self.answer.get("choices")
-        return choices if isinstance(choices, Mapping) else {}
+        choices: Mapping[str, Any] = self.answer.get("choices", {})
+        return choices
 
     @property
     def models(self) -> tuple[str, ...]:
         """Names of the spring models that ran."""
-        return tuple(map(str, self.choices.get("models", ())))
+        return tuple(self.choices.get("models", ()))
 
     @property
     def engine_speeds(self) -> tuple[float, ...]:
         """Crank speeds (rpm)."""
-        values = self.choices.get("engine_speeds", ())
-        return tuple(float(value) for value in values if isinstance(value, (int, float)))
+        return tuple(map(float, self.choices.get("engine_speeds", ())))
 
     @property
     def failures(self) -> tuple[str, ...]:
         """A sentence for each part that failed."""
-        failures = self.answer.get("failures")
-        return tuple(map(str, failures)) if isinstance(failures, (list, tuple)) else ()
+        return tuple(self.answer.get("failures", ()))
 
     @property
     def state(self) -> str:
@@ -167,19 +175,12 @@ class SavedRun:
     @property
     def verdict(self) -> Mapping[str, Any]:
         """The stored finding that decides, with ``code`` and ``text``; empty where none was stored."""
-        found = self.answer.get("findings")
-        first = found[0] if isinstance(found, list) and found else None
-        if isinstance(first, dict) and all(
-            isinstance(first.get(key), str) for key in ("code", "text")
-        ):
-            return first
-        return {}
+        return next(iter(self.answer.get("findings", ())), {})
 
     @property
     def command_line(self) -> str:
         """The command that made it, for a shell; empty where it was not stored."""
-        words = self.answer.get("command_line")
-        return shlex.join(map(str, words)) if isinstance(words, list) else ""
+        return shlex.join(self.answer.get("command_line", ()))
 
     @property
     def headline(self) -> dict[str, Any] | None:
@@ -190,13 +191,8 @@ class SavedRun:
         tables = [one.get("quantities", {}) for one in answer.get("runs", ())]
         tables += [answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values()]
         for name in HEADLINES:
-            rows = (table.get(name) for table in tables if isinstance(table, dict))
-            numbers = [
-                row
-                for row in rows
-                if isinstance(row, dict) and isinstance(row.get("value"), (int, float))
-            ]
-            if numbers:
+            rows = (table[name] for table in tables if name in table)
+            if numbers := [row for row in rows if row.get("value") is not None]:
                 return {"quantity": name, **max(numbers, key=lambda row: row["value"])}
         return None
 

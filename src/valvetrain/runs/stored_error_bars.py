@@ -92,7 +92,7 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
         variant = _OF + label if label else ""
         lines += ["", f'["{_heading(speed)}{variant}"]']
         for row in rows:
-            numbers = ", ".join(f"{number:.7g}" for number in _numbers(row))
+            numbers = ", ".join(f"{number:.7g}" for number in numbers_of(row))
             lines.append(f"{row.quantity} = [{numbers}]")
     return "\n".join(lines) + "\n"
 
@@ -135,7 +135,8 @@ def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
     )
 
 
-def _numbers(row: Uncertainty) -> tuple[float, ...]:
+def numbers_of(row: Uncertainty) -> tuple[float, ...]:
+    """The numbers of a row in the order of the stored tables; NaN for an unknown order."""
     order = math.nan if row.observed_order is None else row.observed_order
     first = row.value, row.numerical, order, row.extrapolated, row.step_part
     return (*first, *row.contact_stiffness, *row.damping)

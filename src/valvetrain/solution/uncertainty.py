@@ -6,7 +6,6 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from valvetrain.solution.display import Shown
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.status import Fact
 
@@ -150,7 +149,7 @@ class SampleRange:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison(Shown):
+class Comparison:
     """A row of the table computed / published / difference.
 
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,

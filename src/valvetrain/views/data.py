@@ -1,4 +1,4 @@
-"""Results that are data alone, without a verdict: static curves, modes, critical speeds, a comparison, measured cycles."""
+"""Results that are data alone, without a verdict: static curves, modes, critical speeds, measured cycles."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.findings.engine import Findings
-from valvetrain.findings.words import RPM, speed_text
+from valvetrain.findings.words import RPM
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.solution.critical import CriticalSpeeds, places_text
-from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.modes import ModalResult, TrainModes
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import ANGLE, BAD, LEAD, OTHER, SPEEDS, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
@@ -132,31 +130,6 @@ def critical_speeds(result: CriticalSpeeds) -> DataAnswer:
     rows = [(one.label, one.kind, f"{one.text} rpm", places_text(*one.places)) for one in result]
     heads = ("run", "kind", "engine speed", "first at")
     return DataAnswer(result, draw, TextTable("Critical engine speeds", heads, tuple(rows)))
-
-
-def comparison(result: Comparison) -> DataAnswer:
-    """The published value with its tolerance next to the computed one."""
-
-    def draw(row: Comparison) -> go.Figure:
-        fig, bar = panels((1.0,)), None
-        if row.tolerance is not None:
-            bar = {"type": "data", "array": [row.tolerance]}
-        published = go.Scatter(
-            x=[row.published], y=[row.model], error_x=bar, mode="markers", name=f"published ({row.origin})", marker={"color": OTHER, "size": 10},
-        )  # fmt: skip
-        fig.add_trace(published)
-        if row.computed is not None:
-            dot = {"color": LEAD, "size": 10, "symbol": "diamond"}
-            fig.add_trace(go.Scatter(x=[row.computed], y=[row.model], mode="markers", name=f"computed by {row.model}", marker=dot))  # fmt: skip
-        title = ", ".join(filter(None, (label_of(row.quantity), row.unit)))
-        return styled(fig, title, ("",), 200).update_layout(hovermode="closest")
-
-    values = (result.published, result.computed, result.difference)
-    texts = ["" if one is None else f"{one:.5g} {result.unit}".strip() for one in values]
-    speed = "" if result.engine_speed is None else speed_text(result.engine_speed)
-    cells = (label_of(result.quantity), speed, result.model, *texts, result.verdict)
-    heads = ("quantity", "engine speed", "model", "published", "computed", "difference", "verdict")
-    return DataAnswer(result, draw, TextTable("Here and in the source", heads, (cells,)))
 
 
 def measured_cycles(result: MeasuredCycles) -> DataAnswer:

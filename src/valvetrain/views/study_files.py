@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,47 +13,25 @@ from numpy.typing import ArrayLike
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.parameters.summary import in_unit, rpm
 from valvetrain.runs.error_bars import UncertaintyStudy
+from valvetrain.runs.stored_error_bars import numbers_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.solution.quantity import Quantity
+from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution, save_csv
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Comparison, Uncertainty
+from valvetrain.views.columns import csv_of
 from valvetrain.views.files import FreeNames, remove_earlier
-
-#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the
-#: same.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
-
-
-def csv_of(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """Rows of plain values under their heads as CSV text."""
-    return "".join(",".join(map(quoted, row)) + "\n" for row in (heads, *rows))
 
 
 def by_columns(columns: Mapping[str, ArrayLike]) -> str:
     """Columns of equal length by their heads as CSV text."""
     values = (np.asarray(column).tolist() for column in columns.values())
     return csv_of(columns, zip(*values, strict=True))
-
-
-def quoted(value: Any) -> str:
-    """One CSV cell: floats to the last digit, nothing for None, quotes where needed; words that a
-    spreadsheet would compute are led by an apostrophe.
-    """
-    if value is None:
-        return ""
-    if isinstance(value, float):
-        return repr(value)
-    text = str(value)
-    if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
-        text = f"'{text}"
-    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text
 
 
 def comparison_table(rows: Sequence[Comparison]) -> str:
@@ -309,36 +285,29 @@ def sweep_table(study: Study, label: str) -> str:
 
 def uncertainty_table(rows: Sequence[Uncertainty]) -> str:
     """All rows in SI for ``uncertainty.csv``; speed in rpm of the crank, nan for statics and modes."""
-    numbers = {
-        "value": [row.value for row in rows], "numerical uncertainty": [row.numerical for row in rows],
-        "observed order": [float("nan") if row.observed_order is None else row.observed_order for row in rows],
-        "extrapolated": [row.extrapolated for row in rows], "part of the step": [row.step_part for row in rows],
-        "least over contact stiffness": [row.contact_stiffness[0] for row in rows],
-        "largest over contact stiffness": [row.contact_stiffness[1] for row in rows],
-        "least over damping": [row.damping[0] for row in rows],
-        "largest over damping": [row.damping[1] for row in rows],
-    }  # fmt: skip
-    speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
-    units = [Quantity(row.quantity).unit for row in rows]
-    names: dict[str, ArrayLike] = {"quantity": [row.quantity for row in rows]}
-    if any(row.label for row in rows):
-        names["variant"] = [row.label for row in rows]
-    return by_columns({**names, "engine speed [rpm]": speeds, "unit": units, **numbers})
+    several = any(row.label for row in rows)
+    heads = (
+        "quantity", *["variant"] * several, "engine speed [rpm]", "unit", "value", "numerical uncertainty", "observed order",
+        "extrapolated", "part of the step", "least over contact stiffness", "largest over contact stiffness",
+        "least over damping", "largest over damping",
+    )  # fmt: skip
+    return csv_of(heads, (
+        (row.quantity, *[row.label] * several, _speed(row.engine_speed), unit_of(row.quantity), *numbers_of(row)) for row in rows
+    ))  # fmt: skip
 
 
 def levels_table(study: UncertaintyStudy) -> str:
     """Every number (SI) of every run behind the error bars for ``levels.csv``, as
     :func:`uncertainty_table`.
     """
-    found = [
-        (level, speed, name, value)
+    rows = (
+        (level, _speed(speed), name, unit_of(name), value)
         for level, by_speed in study.values.items()
         for speed, numbers in by_speed.items()
         for name, value in numbers.items()
-    ]
-    speeds = [float("nan") if speed is None else rpm(speed) for _, speed, _, _ in found]
-    names = [name for _, _, name, _ in found]
-    return by_columns({
-        "level": [level for level, _, _, _ in found], "engine speed [rpm]": speeds, "quantity": names,
-        "unit": [Quantity(name).unit for name in names], "value": [value for _, _, _, value in found],
-    })  # fmt: skip
+    )
+    return csv_of(("level", "engine speed [rpm]", "quantity", "unit", "value"), rows)
+
+
+def _speed(engine_speed: float | None) -> float:
+    return float("nan") if engine_speed is None else rpm(engine_speed)
