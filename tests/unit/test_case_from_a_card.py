@@ -49,7 +49,12 @@ def test_a_case_with_every_answer_assumes_no_card_and_each_question_has_a_value(
     if "wire" in answers:
         answers.pop("spring_mass", None)
     named = set(parse_case(card_case_text(kind, answers)).record().assumed)
-    assert {name for name in named if not name.endswith("damping")} <= {"cam", "lever"}
+    lever = ("pivot", "drive arm", "drive angle", "valve arm", "valve angle", "holding torque")
+    lever += ("mass",) * (
+        kind != "pushrod"
+    )  # there what of it moves with the support, which no scale tells
+    places = {"cam", *(f"lever {one}" for one in lever)}
+    assert {name for name in named if not name.endswith("damping")} <= places
     assert all(one.meaning and one.follows for one in QUESTIONS.values())
 
 
@@ -103,3 +108,13 @@ def test_a_terminal_is_asked_and_enter_takes_what_is_in_brackets(tmp_path, monke
         "rate": "300 lbf/in",
         "coil_bind": "1.1 in",
     }
+
+
+def test_a_measured_rocker_is_not_assumed() -> None:
+    """Its geometry stays assumed value by value."""
+    text = card_case_text("pushrod", {"rocker_inertia": "21 kg mm^2", "rocker_mass": "140 g"})
+    case = parse_case(text)
+    assert (case.train.lever.inertia, case.train.lever.mass) == pytest.approx((21e-6, 0.14))
+    assumed = {key for key, note in case.notes.items() if note.status == "assumed"}
+    assert "train.lever.pivot" in assumed
+    assert not assumed & {"train.lever", "train.lever.inertia", "train.lever.mass"}

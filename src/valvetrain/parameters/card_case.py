@@ -65,8 +65,17 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
         mass = _held(text, QUESTIONS["spring_mass"].path) or QUESTIONS["spring_mass"].default
         text = _written(text, QUESTIONS["spring_mass"].path, _assumed(mass))
     for table in _NO_CARD:
-        if _at(parse_toml(text, "case"), Question(table, "", "").path):
-            text = _written(text, (*Question(table, "", "").path, "status"), "assumed")
+        path = Question(table, "", "").path
+        values = _at(parse_toml(text, "case"), path) or {}
+        answered = [QUESTIONS[name].path[-1] for name in given if QUESTIONS[name].path[:-1] == path]
+        if values and not answered:
+            text = _written(text, (*path, "status"), "assumed")
+        for key in [
+            one
+            for one in values
+            if answered and one not in answered and isinstance(values[one], str)
+        ]:
+            text = _written(text, (*path, key), _assumed(values[key]))
     if "red_line" in given:
         (top,) = parse_quantities(given["red_line"], "angular speed", flag("red_line"))
         speeds = f"{top * 15 / 3.141592653589793:.0f}, {top * 30 / 3.141592653589793:.0f} rpm"

@@ -53,7 +53,8 @@ QUESTIONS: dict[str, Question] = {
     "coil_bind": Question(f"{SPRING}.solid_height", "LENGTH", "height at which the coils close"),
     "wire": Question(f"{SPRING}.wire_diameter", "LENGTH", "wire diameter, for the moving mass of the spring"),
     "outer_diameter": Question(f"{SPRING}.outer_diameter", "LENGTH", "outer diameter of the spring, for its moving mass"),
-    "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire", "50 g"),
+    "spring_mass": Question(f"{SPRING}.mass", "MASS", "of the turns that move, in place of the wire: a whole spring on the scale "
+                            "times (turns - 2) / turns", "50 g"),
     "lift": Question("lift_law.valve_lift", "LENGTH", "valve lift at zero lash", "0.565 in"),
     "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
     "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm, of the "
@@ -68,6 +69,9 @@ QUESTIONS: dict[str, Question] = {
     "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
     "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
     "pushrod_mass": Question("train.pushrod.mass", "MASS", "pushrod as weighed; without it that of its tube", kinds=_PUSHROD),
+    "rocker_inertia": Question("train.lever.inertia", "INERTIA", "rocker or finger about its pivot: '30 kg mm^2'",
+                               kinds=("finger", "rocker", "pushrod")),
+    "rocker_mass": Question("train.lever.mass", "MASS", "rocker as weighed", kinds=_PUSHROD),
     "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
 }  # fmt: skip
 
