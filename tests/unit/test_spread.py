@@ -7,8 +7,11 @@ import math
 import pytest
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.stored_error_bars import load_uncertainty, rows_that_hold, spread_facts
-from valvetrain.solution.quantity import Quantity, same_speed
+from valvetrain.runs.stored_error_bars import load_uncertainty, spread_facts, stored_rows
+from valvetrain.solution.channels import empty_channels
+from valvetrain.solution.provenance import Provenance
+from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.result import Solution
 
 RPM = math.pi / 30
 SPEEDS = tuple(speed * RPM for speed in (4200.0, 5600.0, 8000.0))
@@ -19,41 +22,43 @@ def case():
     return load_case("gu2021-beehive-blind")
 
 
-def own_numbers(case, **changed: float) -> dict[Quantity, float]:
-    """The numbers that were refined, as a run of this version gives them; ``changed``: quantity ->
-    factor on it at 8000 rpm.
+def own_runs(case, speeds=SPEEDS, **changed: float) -> list[Solution]:
+    """The runs that were refined, as this version gives them; ``changed``: quantity -> factor on it
+    at 8000 rpm.
     """
-    rows = load_uncertainty(case.record())
-    factor = {
-        row: changed.get(row.quantity, 1.0) if same_speed(row.engine_speed, SPEEDS[2]) else 1.0
-        for row in rows
-    }
-    return {
-        Quantity(row.quantity, row.engine_speed, "finite-element"): row.value * factor[row]
-        for row in rows
-    }
+    runs = []
+    for speed in speeds:
+        rows = [
+            row for row in load_uncertainty(case.record()) if same_speed(row.engine_speed, speed)
+        ]
+        factors = changed if speed == SPEEDS[2] else {}
+        numbers = {row.quantity: row.value * factors.get(row.quantity, 1.0) for row in rows}
+        word = "finite-element"
+        origin = Provenance(case.name, word, label=word, engine_speed=speed)
+        runs.append(Solution(empty_channels(), quantities=numbers, provenance=origin))
+    return runs
 
 
 def test_every_range_is_in_order_and_holds_what_the_case_computes(case):
     """The case lies at the most probable point of its own posterior: between 5 and 95 % in nearly
     all quantities.
     """
-    numbers = own_numbers(case)
-    spread = [one.fields for one in spread_facts(case.record(), SPEEDS, numbers)]
+    runs = own_runs(case)
+    spread = [one.fields for one in spread_facts(case.record(), runs)]
     assert {round(one["engine_speed"] / RPM) for one in spread} == {4200, 5600, 8000}
     assert all(one["low"] <= one["high"] for one in spread)
     compared = [
-        (one, value)
+        (one, run.quantities[one["quantity"]])
         for one in spread
-        for key, value in numbers.items()
-        if key.name == one["quantity"] and same_speed(key.engine_speed, one["engine_speed"])
+        for run in runs
+        if same_speed(run.engine_speed, one["engine_speed"]) and one["quantity"] in run.quantities
     ]
     inside = [one["low"] <= value <= one["high"] for one, value in compared]
     assert len(inside) > 10 and sum(inside) >= 0.85 * len(inside)
 
 
 def test_every_range_is_a_fact_of_the_speeds_that_ran(case):
-    some = spread_facts(case.record(), SPEEDS[1:2], own_numbers(case))
+    some = spread_facts(case.record(), own_runs(case, SPEEDS[1:2]))
     assert some and set(speeds_of(some)) == {5600}
 
 
@@ -78,13 +83,14 @@ def speeds_of(facts):
 )
 def test_no_sentence_survives_a_change_of_the_case(case, change):
     other = load_case("gu2021-beehive-blind", change).record()
-    assert not spread_facts(other, SPEEDS, own_numbers(case))
+    assert not spread_facts(other, own_runs(case))
 
 
 def test_no_sentence_survives_a_version_that_computes_other_numbers(case):
     """The words of the case are the same, the numbers are not: speeds at which they came out again
     are still told.
     """
-    record, moved = case.record(), own_numbers(case, stage_2_peak_force=1.05)
-    assert len(rows_that_hold(record, own_numbers(case))) == len(load_uncertainty(record))
-    assert set(speeds_of(spread_facts(record, SPEEDS, moved))) == {4200, 5600}
+    record, moved = case.record(), own_runs(case, stage_2_peak_force=1.05)
+    of_runs = [row for row in load_uncertainty(record) if row.engine_speed is not None]
+    assert sum(map(len, stored_rows(record, own_runs(case)).values())) == len(of_runs)
+    assert set(speeds_of(spread_facts(record, moved))) == {4200, 5600}

@@ -92,14 +92,13 @@ DECLARED_ORDER, MAX_ORDER = 2.0, 20.0
 
 @dataclass(frozen=True, slots=True)
 class GridConvergence:
-    """Convergence of one quantity on three meshes, coarse to fine.
+    """Convergence of one quantity on three meshes.
 
     ``observed_order``: None where the series is not monotonic. ``extrapolated``: Richardson value,
     or the finest one where the order is not trusted. ``uncertainty`` of the coarsest value,
     ``finest_index`` that of the finest (same unit).
     """
 
-    values: tuple[float, float, float]
     observed_order: float | None
     trusted: bool
     extrapolated: float
@@ -155,13 +154,13 @@ def grid_convergence(
         # Data range over the range of sizes, so that a wide set of meshes does not punish itself.
         uncertainty = DOUBTFUL * spread / (sizes[0] / sizes[2] - 1) if spread else 0.0
         return GridConvergence(
-            values, order, False, fine, max(uncertainty, spread), max(uncertainty, spread)
+            order, False, fine, max(uncertainty, spread), max(uncertainty, spread)
         )
     used = min(order, DECLARED_ORDER)
     step = (middle - fine) / ((sizes[1] / sizes[2]) ** used - 1)
     extrapolated = fine - step
     return GridConvergence(
-        values, order, True, extrapolated, TRUSTED * abs(coarse - extrapolated), TRUSTED * abs(step)
+        order, True, extrapolated, TRUSTED * abs(coarse - extrapolated), TRUSTED * abs(step)
     )
 
 
@@ -176,7 +175,7 @@ def two_grids(
     a ``safety`` factor, Roache's three.
     """
     finest = safety * abs(value - finer) / (ratio**order - 1)
-    return GridConvergence((value, value, finer), None, False, finer, finest * ratio**order, finest)
+    return GridConvergence(None, False, finer, finest * ratio**order, finest)
 
 
 def grid_bar(
@@ -208,7 +207,7 @@ def grid_bar(
             limit += (values[-1] - values[-2]) / ((levels[-1] / levels[-2]) ** used - 1)
         size = (TRUSTED if trusted else DOUBTFUL) * abs(value - limit)
     size = max(size, spread) if len(every) == 3 else size
-    return GridConvergence((values[0], value, values[-1]), observed, trusted, limit, size, size)
+    return GridConvergence(observed, trusted, limit, size, size)
 
 
 def convergence(

@@ -270,8 +270,7 @@ def next_to_published(study: Study, problem: Problem) -> Study:
     )
     notes = compared.notes
     if rows or compared.findings:
-        record, found = study.record, compared.quantities
-        notes += record.remarks
-        facts = compared.facts + spread_facts(record, ran, found)
+        notes += study.record.remarks
+        facts = compared.facts + spread_facts(study.record, study.solutions)
         compared = replace(compared, facts=facts)
     return replace(compared, comparisons=rows, notes=notes)

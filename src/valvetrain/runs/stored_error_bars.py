@@ -112,18 +112,6 @@ def _is_same(row: Uncertainty, value: float) -> bool:
     return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
 
 
-def rows_that_hold(
-    record: CaseRecord, quantities: Mapping[Quantity, float]
-) -> tuple[Uncertainty, ...]:
-    """Rows of :func:`load_uncertainty` at every engine speed and variant of which ``quantities``
-    reproduce all numbers.
-    """
-    rows, computed = load_uncertainty(record), {key.name for key in quantities}
-    changed = [row for row in rows if row.quantity in computed and not belongs(row, quantities)]
-    lost = {(row.engine_speed, row.label) for row in changed}
-    return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
-
-
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
     heading, _, variant = label.partition(_OF)
     speed = None if heading == _STATICS else float(heading.split()[0]) * math.pi / 30
@@ -159,16 +147,11 @@ def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparis
     )
 
 
-def spread_facts(
-    record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
-) -> tuple[Fact, ...]:
-    """Ranges (5 to 95 %) that the calibration data leave open at the speeds that were run (rad/s).
-
-    None for a speed at which ``quantities`` are not those that the spread was found with.
+def spread_facts(record: CaseRecord, solutions: Sequence[Solution]) -> tuple[Fact, ...]:
+    """Ranges (5 to 95 %) that the calibration data leave open at the speeds of those ``solutions`` whose numbers
+    are the ones that the spread was found with.
     """
-    held = rows_that_hold(record, quantities)
-    reproduced = {round(row.engine_speed / RPM) for row in held if row.engine_speed is not None}
-    run = reproduced & {round(speed / RPM) for speed in engine_speeds}
+    run = {round(speed / RPM) for _, speed in stored_rows(record, solutions)}
     # values are the percentiles 5, 50 and 95
     return tuple(
         Fact("calibration-spread", {"quantity": quantity, "engine_speed": int(speed.split()[0]) * RPM,
