@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from valvetrain.compiled import njit
-from valvetrain.mechanism.gaps import OPTIONS
+from valvetrain.mechanism.gaps import PART
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _mean_share(now, z):
     """Share theta of the velocity after the step in the one that a damper of z = h c W acts on;
     ``now``: its share at t_n (1/2 of even steps), where light dampers act; heavy ones act on what
@@ -15,7 +15,7 @@ def _mean_share(now, z):
     return (6.0 * now + z) / (6.0 + z)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def meet_neighbours(index, neighbour):
     """Fill ``neighbour`` (n,): for each interaction the first that shares a coordinate with it, itself
     where none before it does.
@@ -29,7 +29,7 @@ def meet_neighbours(index, neighbour):
                         neighbour[k] = other
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _damped_rows(index, scratch, step, now, v):
     """Collect the damped interactions: their places, velocities per impulse, right-hand sides,
     diagonals and the first row that each can be coupled with.
@@ -75,7 +75,7 @@ def _damped_rows(index, scratch, step, now, v):
     return count
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _rate_of(k, row, index, scratch):
     """Rate (m/s) of interaction ``k`` per impulse of the damped one of ``row``."""
     rate = 0.0
@@ -85,7 +85,7 @@ def _rate_of(k, row, index, scratch):
     return rate
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _solve(count, index, scratch):
     """Impulses of all interactions that are not held at their bound: L D L^T in contact space, row by
     row within the envelope, since a contact meets only those that share a body with it.
@@ -125,7 +125,7 @@ def _solve(count, index, scratch):
                 impulse[a] -= matrix[c, a] * impulse[c]
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _exchange(count, index, laws, scratch, step, single):
     """Hold the contacts that would pull, at no force, and free the held ones whose damper would
     press; returns how many changed.
@@ -153,7 +153,7 @@ def _exchange(count, index, laws, scratch, step, single):
     return changed
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def damp(index, laws, scratch, step, now, v):
     """Damping impulses of all interactions together; adds the mean damping forces to ``gaps[:,
     2]``; returns how many there are.
@@ -183,7 +183,7 @@ def damp(index, laws, scratch, step, now, v):
     return count
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def guide(body, scratch, step, now, v):
     """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves,
     the guide's impulse per rate, its theta and one over that mass.
@@ -206,7 +206,7 @@ def guide(body, scratch, step, now, v):
             v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) * guides[i, 3]
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def losses(index, body, scratch, v, count):
     """Energy (J) lost in the damping impulses of the contacts and in the guides."""
     gaps, gradients, old, rows, impulse, guides = (

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 
 from valvetrain.compiled import njit
-from valvetrain.mechanism.gaps import OPTIONS
+from valvetrain.mechanism.gaps import PART
 from valvetrain.mechanism.sliding import SLIDING_SLOTS, sliding_gradient
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def slowed(free, most, width):
     """Root s of s + most tanh(s / width) = free. Newton from below on a concave function never
     overshoots.
@@ -31,7 +31,7 @@ def slowed(free, most, width):
     return s if free > 0.0 else -s
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def rub(train, q, cam_angle, cam_speed, step, v, scratch):
     """Friction impulses of all contacts that slide; changes ``v`` and fills ``rubbing`` (n, 2):
     impulse (N s), sliding of the cam (m/s).
@@ -74,7 +74,7 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
         rubbing[k, 0], rubbing[k, 1] = impulse, driven
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def friction_loss(index, v, scratch):
     """Energy (J) that friction takes in the step: impulses times the mean sliding velocity."""
     lost, old, slides, rubbing = 0.0, scratch.old, scratch.slides, scratch.rubbing

@@ -13,7 +13,7 @@ import math
 from valvetrain.compiled import njit
 from valvetrain.contact.kernels import OWN_LAW, WIDTH, contact_force
 from valvetrain.contact.own_law import call_law
-from valvetrain.mechanism.gaps import OPTIONS
+from valvetrain.mechanism.gaps import PART
 
 MAX_PARTS = 64
 """Most parts of one step."""
@@ -26,7 +26,7 @@ AHEAD = 1.25
 OCTAVES, HALVINGS = 12.0, 8
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _force(k, train, motion, scratch, pen, rate, since):
     """Force (N) of contact ``k`` at a penetration (m, positive), ``since`` (s) after a touch at
     ``rate`` (m/s); a law of its own gets a copy of its memory.
@@ -51,7 +51,7 @@ def _force(k, train, motion, scratch, pen, rate, since):
     return scratch.impacts[k, 2] + scratch.impacts[k, 3] * rate
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def meets_damper(k, train, motion, scratch, pen, rate):
     """Whether a contact that closed since the last step presses with a damper from the touch on, as
     no law with a smooth force does.
@@ -60,7 +60,7 @@ def meets_damper(k, train, motion, scratch, pen, rate):
     return damper > 0.0 and _force(k, train, motion, scratch, 1e-6 * pen, rate, 0.0) > 0.5 * damper
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _rise(k, train, motion, scratch, rate, longest, least):
     """Time tau (s) of an impact at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is
     that or longer, or the force below ``least`` (N).
@@ -84,7 +84,7 @@ def _rise(k, train, motion, scratch, rate, longest, least):
     return tau if rate > least * mobility * tau else longest
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def finest_step(train, motion, scratch, ahead, passed):
     """Step (s) that takes ``counters[5]`` parts of the rise of every impact that lasts or is due
     within ``ahead`` (s).
@@ -117,7 +117,7 @@ def finest_step(train, motion, scratch, ahead, passed):
     return finest
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def parts_of(length, finest):
     """In how many equal parts a stretch (s) is taken so that none is longer than ``finest`` (s)."""
     if length <= finest:

@@ -50,7 +50,7 @@ from valvetrain.integrate.train_log import (
     note_loads,
 )
 from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records, Scratch, Slot
-from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
+from valvetrain.mechanism.gaps import OPTIONS, PART, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
 
 f8, i8 = types.float64, types.int64
@@ -76,7 +76,7 @@ _RECORDS = types.NamedUniTuple(_matrix, 13, Records)
 _SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def law_force_and_damping(law, parameters, impact_rate, pen, rate):
     """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration
     (positive).
@@ -88,7 +88,7 @@ def law_force_and_damping(law, parameters, impact_rate, pen, rate):
     return still, max((pressed - still) / closing, 0.0)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _remember(k, train, motion, pen, rate, elapsed, scratch):
     """Bring the memory of a Maxwell link or a law of its own over ``elapsed`` (s; 0: it is up to
     date).
@@ -125,7 +125,7 @@ def _remember(k, train, motion, pen, rate, elapsed, scratch):
         )
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
     """Penetration (m), its rate by the cam alone and its rate (m/s)."""
     pen, per_angle = penetration_and_gradient(
@@ -147,7 +147,7 @@ def _gap(k, train, q, v, cam_angle, cam_speed, gradients):
     return pen, driven, rate
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extremes):
     """Fill ``scratch.gaps``: penetration, gap rate of the cam alone, rate-free force, damping
     coefficient.
@@ -187,7 +187,7 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
         extremes[k, PEAK_PENETRATION] = max(extremes[k, PEAK_PENETRATION], pen)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _kick(index, body, gaps, gradients, guides, step, v):
     """Velocity change by constant and rate-free forces."""
     for i in range(v.shape[0]):
@@ -201,7 +201,7 @@ def _kick(index, body, gaps, gradients, guides, step, v):
                     v[i] -= impulse * gradients[k, slot] * guides[i, 4]
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _accelerations(index, scratch, step, v):
     """Fill ``scratch.accelerations`` (m/s2, rad/s2) with those that the forces give at t_n.
 
@@ -221,7 +221,7 @@ def _accelerations(index, scratch, step, v):
                     )
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
     """Add the work of cam and constant forces to the totals and note every contact; returns cam
     power (W) and largest speed.
@@ -258,7 +258,7 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
     return power, bound
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _pass_on(v, scratch, first):
     """Store the penetrations for the next step, as :func:`_account` does among all else; returns the
     largest speed.
@@ -273,7 +273,7 @@ def _pass_on(v, scratch, first):
     return bound
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _record(row, records, q, v, now, cam_angle, power, scratch, clock):
     count, motion, gaps, share = q.shape[0], records.motion, scratch.gaps, scratch.share
     for i in range(count):
@@ -287,7 +287,7 @@ def _record(row, records, q, v, now, cam_angle, power, scratch, clock):
         records.spring[row, j] = clock[4 + j]
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _begin(train, motion, scratch):
     """Penetrations at the start and, by their rates, one step before it; masses and neighbours."""
     meet_neighbours(train.coordinate_of, scratch.neighbour)
@@ -301,7 +301,7 @@ def _begin(train, motion, scratch):
         scratch.latest[k] = -1
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _finish(train, motion, scratch, log):
     """Bring memories and the log of transitions to the positions after the last drift."""
     clock = motion.clock

@@ -31,13 +31,13 @@ from valvetrain.integrate.train_tuples import (
     PLACE,
     RATE,
 )
-from valvetrain.mechanism.gaps import OPTIONS
+from valvetrain.mechanism.gaps import PART
 
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def crossing(earlier, before, now, ratio):
     """Where in the last step, 0 to 1, a penetration passed zero, and its rate there per step;
     ``ratio``: the step before over the last.
@@ -54,7 +54,7 @@ def crossing(earlier, before, now, ratio):
     return min(max(share, 0.0), 1.0), rate
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def note_crossing(k, pen, cam_angle, motion, scratch, log):
     """Write a row: contact ``k`` opened or closed since the step before (cam angle and clock: now)."""
     row, step = motion.counters[2], motion.clock[11]
@@ -76,7 +76,7 @@ def note_crossing(k, pen, cam_angle, motion, scratch, log):
     scratch.track[k, 0], scratch.track[k, 1], scratch.track[k, 2] = 0.0, angle, 0.0
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def close_stretch(k, row, touching, scratch, log):
     """Give the rows at both ends of the stretch since the last transition its largest force, or its
     largest gap.
@@ -92,7 +92,7 @@ def close_stretch(k, row, touching, scratch, log):
                 )
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def note_contact(
     k, pen, force, unilateral, first, inside, nose, cam_angle, motion, scratch, records
 ):
@@ -124,7 +124,7 @@ def note_contact(
         before[k, 0] = pen
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def note_load(row, value, cam_angle, loads):
     """Note one of the loads of this step: its largest and least value and their positions."""
     if value > loads[row, HIGHEST]:
@@ -133,7 +133,7 @@ def note_load(row, value, cam_angle, loads):
         loads[row, LOWEST], loads[row, LOWEST_ANGLE] = value, cam_angle
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def note_loads(power, cam_angle, cam_speed, clock, loads):
     """Note the end forces of the springs and the torque of the cam after a step."""
     for row in range(4):
@@ -143,7 +143,7 @@ def note_loads(power, cam_angle, cam_speed, clock, loads):
     note_load(6, power / cam_speed, cam_angle, loads)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def note_body(i, place, before, after, now, acceleration, cam_angle, bodies):
     """Note coordinate ``i`` after a kick that took its velocity from ``before`` to ``after``,
     ``now`` of it done at ``cam_angle``, where its ``acceleration`` is that of the forces.
@@ -156,7 +156,7 @@ def note_body(i, place, before, after, now, acceleration, cam_angle, bodies):
         bodies[i, PEAK_ACCELERATION], bodies[i, PEAK_ACCELERATION_ANGLE] = size, cam_angle
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def nose_share(cam_angle, cam_speed, first, clock):
     """Share of the last step at which the cam passed its nose; negative where it did not."""
     away = cam_angle - clock[14]
@@ -167,7 +167,7 @@ def nose_share(cam_angle, cam_speed, first, clock):
     return 1.0 if first else 1.0 - away / last
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def in_window(cam_angle, begin, width):
     """Whether a cam angle is in the window (rad) that may pass the end of the turn."""
     away = cam_angle - begin

@@ -18,6 +18,8 @@ OPTIONS: dict[str, Any] = {
     "_nrt": False,
     "fastmath": {"contract", "nsz"},
 }
+#: A part of kernels: compiled into each that calls it, and stored with those alone.
+PART: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True}
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -151,7 +153,7 @@ def gap_rows(
                     gradients[s, k, index[k, slot]] += rows[k, slot]
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _planar_point(k, index, geometry, q):
     """Position X, its derivative by the body coordinate, and the angle the body has turned."""
     body = q[index[k, 0]] if index[k, 0] >= 0 else 0.0
@@ -171,7 +173,7 @@ def _planar_point(k, index, geometry, q):
     return x + ax, y + ay, -geometry[k, 5] * ay, geometry[k, 5] * ax, turn
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, gradients):
     distance = math.sqrt(x * x + y * y)
     direction = math.atan2(y, x)

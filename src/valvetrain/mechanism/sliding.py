@@ -13,7 +13,7 @@ import math
 
 from valvetrain.compiled import njit
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, POINT_PLANE
-from valvetrain.mechanism.gaps import OPTIONS, _planar_point, table_value
+from valvetrain.mechanism.gaps import PART, _planar_point, table_value
 
 SLIDING_KINDS = (CAM_FLAT, CAM_ROUND, POINT_PLANE)
 SLIDING_SLOTS = 2
@@ -22,7 +22,7 @@ normal, a bar's ends slide nowhere.
 """
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def sliding_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, slides):
     """Sliding velocity of interaction ``k`` per cam speed (m/rad); row k of ``slides`` (n, 2) is
     filled with that per coordinate.
@@ -53,7 +53,7 @@ def sliding_gradient(k, kinds, index, geometry, tables, table_of, q, cam_angle, 
     return sense * (px * nx + py * ny)
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _body_row(k, index, geometry, q, px, py, nx, ny, dx, dy, side, slides):
     """Tangential velocity of the body's material at (px, py) per body and support coordinate, times
     ``side``.

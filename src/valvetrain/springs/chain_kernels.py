@@ -50,7 +50,8 @@ FAST = {"reassoc", "contract", "nsz"}
 #: No reference counting (nothing is allocated): a slice that lives across a call or a branch would
 #: pay for it atomically.
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
-BRANCH: dict[str, Any] = {**KERNEL, "forceinline": True}
+#: Compiled into each kernel that calls it, and stored with those alone.
+BRANCH: dict[str, Any] = {**KERNEL, "cache": False, "forceinline": True}
 LOOP: dict[str, Any] = {**BRANCH, "fastmath": FAST}
 
 

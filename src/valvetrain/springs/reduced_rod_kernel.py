@@ -51,7 +51,8 @@ LINE, LANES, SCRATCH = 8, 4, 10
 HORIZON, LONGEST, SPARE_SPEED = 12e-6, 300e-6, 0.2
 FAST = {"reassoc", "contract", "nsz"}
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
-INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
+#: Compiled into each kernel that calls it, and stored with those alone.
+INNER: dict[str, Any] = {**KERNEL, "cache": False, "forceinline": True}
 
 
 def row_size(values: int) -> int:

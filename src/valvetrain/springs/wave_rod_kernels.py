@@ -14,9 +14,11 @@ OPTIONS: dict[str, Any] = {
     "_nrt": False,
     "fastmath": {"reassoc", "contract", "nsz"},
 }
+#: Compiled into each kernel that calls it, and stored with those alone.
+PART: dict[str, Any] = {**OPTIONS, "cache": False, "forceinline": True}
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _kick(parameters, integers, state, time_step, half):
     """Half damping, kick, half damping on the inner nodes 2 .. n - 1; returns twice the energy over
     the node mass that was lost.
@@ -33,7 +35,7 @@ def _kick(parameters, integers, state, time_step, half):
     return lost
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _kick_end(state, node, n, gain, curvature, half):
     before = state[n + node]
     kicked = half * before + gain * curvature
@@ -41,7 +43,7 @@ def _kick_end(state, node, n, gain, curvature, half):
     return before * before + kicked * kicked
 
 
-@njit(forceinline=True, **OPTIONS)
+@njit(**PART)
 def _drift(integers, state, time_step):
     n = integers[0]
     positions, velocities = state[:n], state[n : 2 * n]
