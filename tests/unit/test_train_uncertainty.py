@@ -129,7 +129,7 @@ def test_a_train_on_finite_elements_gets_bars_from_two_grids():
     variant = case.replace(train=case.train.replace(variants=variants))
     found = refined(variant, (5500 * RPM,), workers=1)
     names = {name.rpartition(", ")[2] for name in found.values}
-    contacts = {f"contact {word} {n}" for word in ("damping", "stiffness") for n in (1, 2)}
+    contacts = {f"{word} {n}" for word in CONSTANTS for n in (1, 2)}
     assert names == {OWN, "mesh 2", "step 2", *contacts} and found.rows
     own, halved, finer = (
         found.values[f"finite elements, lash 0 mm, {name}"][5500 * RPM]
