@@ -5,18 +5,20 @@ of that case.
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import replace
 
 import pytest
 
 from unit.cli_parts import SMALL
-from valvetrain import InputError, load_case, simulate
+from valvetrain import InputError, load_case, simulate, study
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Space, Uniform, Values, Varied
+from valvetrain.explore.study_facts import StudyFacts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.request import LIGHT, PointRequest
@@ -289,3 +291,24 @@ def test_a_warning_of_a_trial_names_its_values_and_one_of_the_case_does_not():
     with pytest.warns(UnusualValueWarning) as caught:
         vary(doubtful, {Varied("train.valve.mass", "g"): 0.12})
     assert not any(str(one.message).startswith("at ") for one in caught)
+
+
+def test_keys_that_move_alike_are_each_varied_and_the_step_sets_every_one():
+    keys = ["spring.precompression", "spring.wire_diameter"]
+    table = study(f"""
+case = "job-c"
+engine_speeds = "4000 rpm"
+spring_models = "massless"
+outputs = "peak_spring_force"
+vary = [{{ key = {keys}, as = "factor", values = "1, 1.02" }}]
+""", workers=1)  # fmt: skip
+    (both,) = table.plan.varied
+    assert both.also == tuple(keys[1:])
+    one_by_one = vary(table.plan.case, {Varied(key, operation="factor"): 1.02 for key in keys})
+    assert parts(vary(table.plan.case, {both: 1.02})) == parts(one_by_one)
+    (run,) = simulate(one_by_one, "4000 rpm", models=["massless"]).solutions
+    assert table.column("peak_spring_force")[1] == run.quantities["peak_spring_force"]
+    words = shlex.split(StudyFacts(table).command(1))
+    assert [word.partition("=")[0] for word in words if "=" in word] == keys
+    with pytest.raises(InputError, match="moves alone"):
+        Varied("spring.precompression", also=(ENGINE_SPEED,))

@@ -114,7 +114,8 @@ class Evaluation(Computation):
         if case is not None:
             if any(one.key != ENGINE_SPEED for one in space):
                 tables_of(case)  # refuses a case whose values cannot be varied
-            for one in space:  # runs have speeds of their own, which this would not change
+            parts = (part for one in space for part in one.parts)
+            for one in parts:  # runs have speeds of their own, which this would not change
                 if one.key.startswith(("operation.engine_speeds", "operation.cam_speeds")):
                     raise InputError(f"is no speed of these runs; vary {ENGINE_SPEED}", one.key)
             space = with_case_units(case, space)

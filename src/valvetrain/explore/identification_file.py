@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
@@ -101,6 +101,16 @@ class Search(StrictModel):
         return (self.starts if self.keep else 0) + searched * each + self.draws + after
 
 
+def _search(given: Any) -> Search:
+    """The search with its options, what is wrong placed at its key."""
+    if not isinstance(given, dict):
+        raise problem("is no table; write [search] with its options")
+    try:
+        return Search(**given)
+    except InputError as error:
+        raise problem(error.reason, (error.where,)) from None
+
+
 class IdentificationModel(CaseModel):
     """The whole file; ``search`` holds the options of a :class:`Search`."""
 
@@ -110,7 +120,7 @@ class IdentificationModel(CaseModel):
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     measurements: dict[Line, Any] = Field(min_length=1)
     predictions: dict[Line, PredictionModel] = Field(default_factory=dict)
-    search: dict[str, Any] = Field(default_factory=dict)
+    search: Annotated[Search, BeforeValidator(_search)] = Search()
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +146,7 @@ class IdentificationPlan:
 def read_identification(file: FileText[IdentificationModel]) -> IdentificationPlan:
     """The plan of an identification file. Raises :class:`InputError`, one sentence with file, line and key."""
     model, case, word = file.model, file.case, file.model.evaluator
+    search = model.search
     evaluator: PointEvaluator | None = None
     if word:
         evaluator = file.guarded(("evaluator",), lambda: find("evaluators", word, ""))
@@ -157,7 +168,6 @@ def read_identification(file: FileText[IdentificationModel]) -> IdentificationPl
         file.guarded(("predictions", one), lambda table=table: table.target)
         for one, table in model.predictions.items()
     ]
-    search = file.guarded(("search",), lambda: _search(model.search))
     targets = tuple(dict.fromkeys([*(target for target, _ in data), *requested]))
     compared: Computation | None = None
     start: tuple[float, ...] | None = None
@@ -199,14 +209,6 @@ def _computations(
 
 def _one_by_one(function: Callable[[Sequence[float]], Numbers], points: Array) -> list[Numbers]:
     return [function(row) for row in points.tolist()]
-
-
-def _search(given: dict[str, Any]) -> Search:
-    """The search with its options, what is wrong placed at its key."""
-    try:
-        return Search(**given)
-    except InputError as error:
-        raise problem(error.reason, (error.where,)) from None
 
 
 @dataclass(frozen=True)

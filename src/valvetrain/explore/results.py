@@ -85,7 +85,12 @@ def rows_of(frame: pandas.DataFrame) -> dict[str, Any]:
 def varied_of(space: Space) -> list[dict[str, str]]:
     """What was varied, for JSON."""
     return [
-        {"name": one.name, "key": one.key, "as": one.operation, "label": one.shown_name}
+        {
+            "name": one.name,
+            "key": ", ".join((one.key, *one.also)),
+            "as": one.operation,
+            "label": one.shown_name,
+        }
         for one in space
     ]
 

@@ -350,6 +350,8 @@ class Varied:
             reason = (
                 f"'{self.key[:60]}' is no key of a case; write one such as 'spring.wire_diameter'"
             )
+        elif ENGINE_SPEED in self.also:
+            reason = "is an engine speed, which moves alone; vary it by itself"
         elif self.operation not in _SUFFIXES:
             reason = "is varied in no way that there is; choose value, factor or offset"
         elif self.operation == "factor" and self.unit:

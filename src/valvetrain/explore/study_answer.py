@@ -161,7 +161,7 @@ class StudyAnswer(ExploreAnswer):
             (label_of(name), run.label, *(self._cell(name, one) for one in np.percentile(values, (0, *PERCENTILES, 100))))
             for run in plan.runs for name in self.facts.outputs if len(values := self.facts.finite(name, run))
         )  # fmt: skip
-        varied = tuple((one.shown_name, one.key, one.operation, range_text(one)) for one in plan.varied)  # fmt: skip
+        varied = tuple((one.shown_name, ", ".join((one.key, *one.also)), one.operation, range_text(one)) for one in plan.varied)  # fmt: skip
         heads = ("point", "run", *(one.shown_name for one in plan.varied), *map(label_of, table.outputs), "status")  # fmt: skip
         of = "" if len(table) <= LISTED else f" of {len(table)}, which points.csv has"
         return {

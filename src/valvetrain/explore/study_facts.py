@@ -295,8 +295,8 @@ class StudyFacts(Subject):
                 speed = value
             elif only not in (None, one):
                 continue
-            elif text := setting(plan.case, one, value):
-                words += ["--set", text]
+            elif all(texts := [setting(plan.case, part, value) for part in one.parts]):
+                words += [word for text in texts for word in ("--set", text)]
             else:
                 return ""
         searched = self.limits.get(name, ())
