@@ -244,11 +244,11 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     told = ("preload", "installed_rate", "mode_1_frequency")
     static = static_study(case, ["multi-mass"], modes=12).still[""]
     chain = evaluate(point(case, "multi-mass", None, told, rest_model="multi-mass"))
-    assert [chain[name] for name in told] == [static[name] for name in told]
+    assert [chain.values[name] for name in told] == [static[name] for name in told]
     rod = evaluate(point(case, "multi-mass", None, told))
     assert (
-        rod["preload"] == pytest.approx(chain["preload"], rel=0.02)
-        and rod["preload"] != chain["preload"]
+        rod.values["preload"] == pytest.approx(chain.values["preload"], rel=0.02)
+        and rod.values["preload"] != chain.values["preload"]
     )
 
 
@@ -271,8 +271,6 @@ def test_a_varied_engine_speed_is_the_speed_of_the_run():
 def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, words):
     found = evaluate(point(BEEHIVE, "multi-mass", 6000 * RPM, ("peak_spring_force",), values))
     assert found.status.code == code and words in found.status.sentence() and not found.values
-    with pytest.raises(InputError, match="has no 'peak_spring_force'"):
-        _ = found["peak_spring_force"]
 
 
 def test_a_warning_of_a_trial_names_its_values_and_one_of_the_case_does_not():
