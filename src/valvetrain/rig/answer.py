@@ -197,7 +197,7 @@ class RigAnswer(ShownByRules):
             columns += [
                 (f"{one.quantity} [{one.unit}]", one.mean),
                 (f"standard deviation of {one.quantity} [{one.unit}]", deviation(channel)),
-                (f"95 % of the mean within [{one.unit}]", channel.spread),
+                (f"95 % of the mean of {one.quantity} within [{one.unit}]", channel.spread),
             ]
         names, values = zip(*columns, strict=True)
         head = "# synthetic: computed, not measured\n" * result.synthetic
