@@ -88,10 +88,12 @@ class KnownLift:
         """Peak (m), cam rad above 0.050 in, and least and largest acceleration (m/rad2)."""
         grid = self.nose + np.linspace(-self.half - 12, self.half + 12, 200_001)
         lift, bend = self.lift(grid), self.lift(grid, 2)
-        over = grid[lift > 0.05 * INCH]
+        over, step = np.flatnonzero(lift > 0.05 * INCH), np.pi / 180 * (grid[1] - grid[0])
+        first, last = over[0], over[-1]
+        beyond = [(lift[at] - 0.05 * INCH) / (lift[at] - lift[out]) for at, out in ((first, first - 1), (last, last + 1))]
         degree = np.pi / 180
         return {
-            "peak_lift": 1e-3 * lift.max(), "duration_at_50_thou": degree * (over[-1] - over[0]),
+            "peak_lift": 1e-3 * lift.max(), "duration_at_50_thou": step * (last - first + sum(beyond)),
             "nose_acceleration": 1e-3 * bend.min() / degree**2, "largest_acceleration": 1e-3 * bend.max() / degree**2,
         }  # fmt: skip
 
