@@ -120,8 +120,10 @@ def lifts(file: Path, **answers: str) -> Read:
     for one in (figure for lobe in lobes for figure in lobe.figures):
         kinds = {"peak_lift": "lift", "duration_at_50_thou": "duration", "largest_acceleration": "acceleration"}  # fmt: skip
         numbers += [(kinds[one.name], one.value), ("lift", one.spread + 1e-3)] if one.name in kinds else []  # fmt: skip
-    codes = LiftAnswer(LiftFacts(tuple(lobes))).findings.codes
-    return [code for code in codes if code.startswith("L20") and code != "L208"], numbers
+    findings = LiftAnswer(LiftFacts(tuple(lobes))).findings
+    return [
+        one.code for one in findings if one.mark in ("warn", "bad") and one.code != "L208"
+    ], numbers
 
 
 def tester(file: Path) -> Read:
