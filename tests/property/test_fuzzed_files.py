@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from validation.fuzzed_files import READERS, samples, trials
+from faults.files import READERS, samples, trials
 
 SEED, COUNT = 53, {"lift": 30, "s96": 12, "contour": 20, "drawing": 12, "scan": 30, "rig": 30}
 

@@ -1,6 +1,6 @@
 """Damaged files of every kind that people measure: each is read, refused in one sentence, or answered with a doubt.
 
-``python -m validation.fuzzed_files [--seed 1] [--count 2000] [READER ...]`` prints for each reader how many files were answered,
+``python -m faults.files [--seed 1] [--count 2000] [READER ...]`` prints for each reader how many files were answered,
 doubted and refused, and fails for anything else that was raised and for a number that no valvetrain has and no doubt names.
 """
 
@@ -15,13 +15,14 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import numpy as np
-from faults.inputs import damaged, damaged_text
 
+from faults.inputs import damaged, damaged_text
 from known_lifts import three_arc
 from valvetrain.errors import InputError, UnusualValueWarning
 
@@ -62,9 +63,9 @@ def samples(reader: str) -> tuple[tuple[str, bytes], ...]:
         x, y = radii * np.cos(np.radians(round_)), radii * np.sin(np.radians(round_))
         return ("a.csv", rows("angle (deg),radius (mm)", round_, radii)), ("b.csv", rows("x (mm),y (mm)", x, y))  # fmt: skip
     if reader == "drawing":
-        import ezdxf
+        from ezdxf import new
 
-        document, out = ezdxf.new(units=4), io.StringIO()
+        document, out = new(units=4), io.StringIO()
         radii = 1e3 * three_arc(np.radians(round_ - 180))
         points = np.column_stack([radii * np.cos(np.radians(round_)), radii * np.sin(np.radians(round_))])  # fmt: skip
         document.modelspace().add_lwpolyline(points.tolist(), close=True)
@@ -106,7 +107,7 @@ def samples(reader: str) -> tuple[tuple[str, bytes], ...]:
     return ((reader, texts[reader].encode()),)
 
 
-def lifts(file: Path, **answers: str) -> Read:
+def lifts(file: Path, **answers: Any) -> Read:
     """Lobes of a table or contour with their figures."""
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.figures import LobeResult, lift_figures
@@ -134,12 +135,10 @@ def tester(file: Path) -> Read:
 
     table = read_force_height(file, free_length=52e-3)
     fit = spring_from_tester(table)
-    parts = {"rate": fit.rate, "force": fit.preload, "height": fit.free_length}
-    if fit.solid_height is not None:
-        parts["height "] = fit.solid_height
-    return [one.code for one in table.doubts], [
-        (name.strip(), value) for name, pair in parts.items() for value in (pair[0], pair[0] + pair[1])
-    ]  # fmt: skip
+    heights = [("height", pair) for pair in (fit.free_length, fit.solid_height) if pair is not None]
+    pairs = [("rate", fit.rate), ("force", fit.preload), *heights]
+    numbers = [(name, value) for name, pair in pairs for value in (pair[0], pair[0] + pair[1])]
+    return [one.code for one in table.doubts], numbers
 
 
 def card(file: Path) -> Read:
@@ -151,13 +150,14 @@ def card(file: Path) -> Read:
 
     words = file.read_bytes().decode("utf-8", "replace").split("|")
     keys = ("wire_diameter", "outer_diameter", "installed_load", "open_load", "solid_height", "free_length", "total_coils")  # fmt: skip
-    given: dict[str, object] = dict(zip(keys, words, strict=False))
+    given: dict[str, Any] = dict(zip(keys, words, strict=False))
     for key in ("installed_load", "open_load"):
         height, _, force = str(given.get(key, "")).partition(",")
         given[key] = SpringLoad(height, force.strip())
     fit = spring_from_card(CatalogueCard(**given))
     codes = CardAnswer(CardFacts(fit)).findings.codes
     wire = fit.spring.wire
+    assert wire is not None
     return [code for code in codes if code.startswith("Z10")], [("turns", float(wire.total_coils)), ("height", float(wire.free_length))]  # fmt: skip
 
 
@@ -204,7 +204,8 @@ def film(file: Path) -> Read:
 
     words = file.read_bytes().decode("utf-8", "replace").split("|")
     keys = ("frame_rate", "line", "scale", "marker", "dwell", "line_width")
-    setup = FilmSetup(**dict(zip(keys, words, strict=False)))
+    given: dict[str, Any] = dict(zip(keys, words, strict=False))
+    setup = FilmSetup(**given)
     return (), [("film", value) for value in (setup.frame_rate, setup.line_width) if value is not None]  # fmt: skip
 
 
@@ -215,7 +216,7 @@ READERS: dict[str, Callable[[Path], Read]] = {
 }  # fmt: skip
 
 
-def broken(reader: str, outcome: Callable[[], Read]) -> tuple[str, str]:
+def broken(outcome: Callable[[], Read]) -> tuple[str, str]:
     """The word for what came of a file, and what is wrong with it; empty where nothing is."""
     try:
         with warnings.catch_warnings():
@@ -247,7 +248,7 @@ def trials(reader: str, seed: int, numbers: Iterable[int]) -> Iterator[tuple[int
             content = whole if number < 0 else (damaged_text if text else damaged)(chance, whole)
             file = Path(folder, name)
             file.write_bytes(content)
-            yield number, *broken(reader, lambda file=file: READERS[reader](file)), content
+            yield number, *broken(partial(READERS[reader], file)), content
 
 
 def main() -> int:
