@@ -90,7 +90,10 @@ class KnownLift:
         lift, bend = self.lift(grid), self.lift(grid, 2)
         over, step = np.flatnonzero(lift > 0.05 * INCH), np.pi / 180 * (grid[1] - grid[0])
         first, last = over[0], over[-1]
-        beyond = [(lift[at] - 0.05 * INCH) / (lift[at] - lift[out]) for at, out in ((first, first - 1), (last, last + 1))]
+        beyond = [
+            (lift[at] - 0.05 * INCH) / (lift[at] - lift[out])
+            for at, out in ((first, first - 1), (last, last + 1))
+        ]
         degree = np.pi / 180
         return {
             "peak_lift": 1e-3 * lift.max(), "duration_at_50_thou": step * (last - first + sum(beyond)),
