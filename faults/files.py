@@ -63,7 +63,7 @@ def samples(reader: str) -> tuple[tuple[str, bytes], ...]:
         x, y = radii * np.cos(np.radians(round_)), radii * np.sin(np.radians(round_))
         return ("a.csv", rows("angle (deg),radius (mm)", round_, radii)), ("b.csv", rows("x (mm),y (mm)", x, y))  # fmt: skip
     if reader == "drawing":
-        from ezdxf import new
+        from ezdxf.filemanagement import new
 
         document, out = new(units=4), io.StringIO()
         radii = 1e3 * three_arc(np.radians(round_ - 180))
