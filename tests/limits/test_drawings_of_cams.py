@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 
 import numpy as np
 import pytest
@@ -173,3 +174,14 @@ def test_a_drawing_without_a_unit_asks_for_it():
     with pytest.raises(InputError) as refusal:
         lifts_in(content(document), "cam.dxf", FLAT)
     assert refusal.value.where == "lift_unit"
+
+
+def test_a_damaged_number_is_refused():
+    """A point at "4,2" is not one at 4."""
+    document, space = drawing()
+    loose(space)
+    whole = content(document)
+    damaged = re.sub(rb"(LINE.*?\n 20\n-?\d+)\.", rb"\1,", whole, count=1, flags=re.DOTALL)
+    assert damaged != whole
+    with pytest.raises(InputError, match=r"cam\.dxf"):
+        lifts_in(damaged, "cam.dxf", FLAT)

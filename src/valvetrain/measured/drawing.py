@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Iterable, Iterator
 from itertools import islice
@@ -79,16 +80,24 @@ def _parts(content: bytes, name: str) -> tuple[list[Any], str]:
     """Lines, arcs, circles, ellipses and splines of a drawing with its blocks, and its unit."""
     try:
         from ezdxf import disassemble, recover
+        from ezdxf.audit import AuditError
     except ImportError as error:
         raise InputError(f"'{name[:80]}' is a drawing, which needs ezdxf; {EXTRA}") from error
+    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # said here, in one sentence
     try:
-        document, _ = recover.read(io.BytesIO(content))
+        document, audit = recover.read(io.BytesIO(content))
         stream = disassemble.recursive_decompose(document.modelspace())
         parts = list(islice(_simple(stream), MAX_PARTS + 1))
     except Exception as error:  # the library raises what it meets in a damaged drawing
         raise InputError(
             f"'{name[:80]}' is no drawing that can be read; save it again as DXF of any year"
         ) from error
+    for mended in (*audit.fixes, *audit.errors):
+        if mended.code == AuditError.INVALID_FLOATING_POINT_VALUE:
+            line = mended.message.partition(" near ")[2].partition(" as ")[0]
+            raise InputError(
+                f"'{name[:80]}' has a number that cannot be read near {line}; save it again as DXF of any year"
+            )
     if len(parts) > MAX_PARTS:
         raise InputError(
             f"'{name[:80]}' has more than {MAX_PARTS} parts; keep the cam's outline alone"
