@@ -198,7 +198,7 @@ def test_check_says_up_to_which_lash_the_valve_meets_its_ramp(tmp_path):
     ):
         path.write_text(template_text("direct", cards=cards), encoding="utf-8")
         printed = CliRunner().invoke(app, ["check", str(path), *changes]).stdout
-        row = next(line for line in printed.splitlines() if line.strip().startswith("lash "))
+        row = next(row for row in re.split(r"\n  (?=\S)", printed) if row.startswith("lash "))
         assert re.findall(r"[\d.]+ mm", row) == said
 
 

@@ -24,7 +24,7 @@ ELSEWHERE = {
     "closing_ramp_begin_cam_angle", "closing_ramp_end_cam_angle",  # by tests/unit/test_red_line.py
     # by tests/limits/test_valve_events.py
     *(f"{event}_{at}_crank_angle" for event in ("ivo", "ivc", "evo", "evc") for at in ("lash", "1_mm", "50_thou")),
-    "lift_harmonic_9_lift",  # by tests/unit/test_findings_at_rest.py
+    "lift_harmonic_9_lift", "surge_half_duration",  # by tests/unit/test_findings_at_rest.py
     *(one.name for one in CAM),  # by tests/unit/test_check_of_the_cam.py
 }  # fmt: skip
 

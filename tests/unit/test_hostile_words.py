@@ -17,7 +17,7 @@ from unit.cli_parts import SMALL
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.views.answer import Answer
-from valvetrain.views.columns import csv_of
+from valvetrain.views.files import csv_of
 from valvetrain.views.page import page_of
 from valvetrain.views.results import write_study
 

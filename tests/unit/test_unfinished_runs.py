@@ -221,7 +221,6 @@ def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_
             "interrupted",
         ),
         ({"failures": ["interrupted: 3 of 8 runs were finished"]}, "interrupted"),
-        ({"failures": 3, "runs": [{"status": "x"}]}, "failed"),
     ],
 )
 def test_runs_that_were_interrupted_are_told_from_those_that_failed(answer, expected, tmp_path):

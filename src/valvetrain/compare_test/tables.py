@@ -14,7 +14,8 @@ from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.columns import RowColumn, csv_of, csv_row, json_row
+from valvetrain.views.columns import RowColumn, csv_row, json_row
+from valvetrain.views.files import csv_of
 
 Columns = tuple[RowColumn, ...]
 MODEL = RowColumn("model", value="label")

@@ -21,7 +21,8 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.json import json_estimate, json_fields
 from valvetrain.parameters.summary import percent
 from valvetrain.solution.atomic import write_text
-from valvetrain.views.columns import RowColumn, csv_of, csv_row, json_row, table_of
+from valvetrain.views.columns import RowColumn, csv_row, json_row, table_of
+from valvetrain.views.files import csv_of
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import (
     ANGLE,

@@ -20,7 +20,8 @@ from valvetrain.rig.result import Peak, RigChannelCycles, RigResult, mean_peak, 
 from valvetrain.rig.rules import RULES, RigFacts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.columns import RowColumn, csv_of, json_row, table_of
+from valvetrain.views.columns import RowColumn, json_row, table_of
+from valvetrain.views.files import csv_of
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import (
     ANGLE,

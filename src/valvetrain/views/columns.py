@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -12,10 +11,6 @@ from typing import Any
 from valvetrain.findings.words import Amount, Words
 from valvetrain.parameters.summary import number
 from valvetrain.views.table import TextTable
-
-#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the same.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,24 +58,6 @@ def _cell(column: RowColumn, row: Any, words: Words) -> str:
         return "∞" if value == math.inf else ""
     name = column.quantity(row) if callable(column.quantity) else column.quantity
     return words.amount(Amount(name, value), 4) if name else number(value)
-
-
-def csv_of(heads: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 0) -> str:
-    """Rows of plain values under their heads as CSV text: floats to the last digit, or with as many ``digits`` and nothing
-    for NaN; nothing for None; words that a spreadsheet would compute are led by an apostrophe.
-    """
-
-    def cell(value: Any) -> str:
-        if isinstance(value, float):
-            if not digits:
-                return repr(value)
-            return "" if math.isnan(value) else f"{value:.{digits}g}"
-        text = "" if value is None else str(value)
-        if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
-            text = f"'{text}"
-        return '"' + text.replace('"', '""') + '"' if any(one in text for one in ',"\n\r') else text
-
-    return "".join(",".join(map(cell, row)) + "\n" for row in (heads, *rows))
 
 
 def json_row(columns: Sequence[RowColumn], row: Any) -> dict[str, Any]:

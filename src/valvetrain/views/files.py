@@ -1,4 +1,4 @@
-"""Files of a run: unique file names, solutions written while the run is in progress, and removal of
+"""Files of a run: rows as CSV, unique file names, solutions written while the run is in progress, and removal of
 outdated files.
 """
 
@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
+import re
 import unicodedata
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -30,6 +32,27 @@ from valvetrain.views.json import engine_speed_object, quantities_object, status
 #: Bytes of a name's stem, so that endings and the name of a temporary file next to it fit into the
 #: 255 that file systems take.
 MAX_LENGTH = 120
+#: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the same.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-](inf|nan)")
+
+
+def csv_of(heads: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 0) -> str:
+    """Rows of plain values under their heads as CSV text: floats to the last digit, or with as many ``digits`` and nothing
+    for NaN; nothing for None; words that a spreadsheet would compute are led by an apostrophe.
+    """
+
+    def cell(value: Any) -> str:
+        if isinstance(value, float):
+            if not digits:
+                return repr(value)
+            return "" if math.isnan(value) else f"{value:.{digits}g}"
+        text = "" if value is None else str(value)
+        if isinstance(value, str) and text.startswith(_FORMULA) and not _NUMBER.fullmatch(text):
+            text = f"'{text}"
+        return '"' + text.replace('"', '""') + '"' if any(one in text for one in ',"\n\r') else text
+
+    return "".join(",".join(map(cell, row)) + "\n" for row in (heads, *rows))
 
 
 @dataclass

@@ -24,8 +24,7 @@ from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Comparison, Uncertainty
-from valvetrain.views.columns import csv_of
-from valvetrain.views.files import FreeNames, remove_earlier
+from valvetrain.views.files import FreeNames, csv_of, remove_earlier
 
 
 def by_columns(columns: Mapping[str, ArrayLike]) -> str:
