@@ -37,3 +37,12 @@ def test_loads_of_the_case_give_its_own_wire_back(tmp_path, monkeypatch):
     found = vt.identify("wire.toml", workers=1)
     assert found.best["wire_diameter"] == pytest.approx(3.9e-3, rel=2e-3)
     assert found.best["total_coils"] == pytest.approx(6.8, rel=5e-3)
+
+
+def test_the_speeds_of_a_rig_are_read_at_any_red_line(tmp_path, monkeypatch):
+    """15 500 rpm are 1623.16 rad/s, which a bare number may not be."""
+    monkeypatch.chdir(tmp_path)
+    card = ("--seat-load", "165 N", "--height", "31.5 mm", "--rate", "28 N/mm")
+    call("new", "mine", "--kind", "direct", *card, "--red-line", "15500 rpm")
+    assert call("new", "rig", "--kind", "identify", "--case", "mine.toml").exit_code == 0
+    assert "15500 rpm" in (tmp_path / "rig.toml").read_text(encoding="utf-8")

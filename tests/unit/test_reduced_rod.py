@@ -226,6 +226,17 @@ def test_a_guide_that_the_wire_leans_on_holds_it_at_rest(rod):
         assert found == pytest.approx(guided._equilibrium(lift).retainer_force, rel=1e-3)
 
 
+def test_coils_that_one_end_holds_are_no_pair():
+    """Contract: an end of 1.51 coils has turns that never move against each other; each pair that is shown has its gap."""
+    end = replace(WIRE.lower_end, inactive_coils=1.5148714432258374)
+    wire = replace(WIRE, lower_end=end, upper_end=end)
+    spring = ReducedRod(FiniteElementRod(wire, 2e-3, 12, DYNAMICS), 2e-3)
+    shown = spring.shown_at(spring.initial_state(1e-3)[None, :], np.full(1, 1e-3), np.zeros(1))
+    assert len(shown.upper_coil) == shown.coil_gap.shape[1] > 3
+    assert np.all(np.diff(shown.upper_coil) > 0) and np.all(np.isfinite(shown.coil_gap))
+    assert shown.upper_coil[-1] < wire.total_coils - 0.5
+
+
 def test_tables_are_read_where_they_stand_and_made_anew_where_a_file_is_damaged(
     rod, tmp_path, monkeypatch
 ):

@@ -14,7 +14,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import inline
 from valvetrain.runs.api import simulate
 from valvetrain.runs.statics import curve_by_model
-from valvetrain.units import parse_quantity, to_unit
+from valvetrain.units import to_unit
 
 #: What people change, by its key in a table of the springs or at the top of the case.
 OF_SPRING = {
@@ -178,9 +178,7 @@ def _damping(case: Case, name: str, table: str) -> str:
             "its spring has neither a wire nor damping to find; give it damping", "--case"
         )
     top = _top(case)
-    study = simulate(
-        case, [parse_quantity(f"{share * top:.0f} rpm", "angular speed") for share in SHARES[1:]]
-    )
+    study = simulate(case, [f"{share * top:.0f} rpm" for share in SHARES[1:]])
     measured = "".join(
         f"""
 [measurements.surge_at_{to_unit(run.engine_speed, "rpm"):.0f}]

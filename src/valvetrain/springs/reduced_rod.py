@@ -184,12 +184,14 @@ class ReducedRod:
 
     @cached_property
     def _pairs(self) -> tuple[Array, NDArray[np.int64]]:
-        """Coil numbers of the coil pairs, and the pair of each contact point (-1: a seat)."""
+        """Coil numbers of the coil pairs, and the pair of each contact point (-1: a seat); pairs that
+        lie between the coils of one end are left out, as their points are.
+        """
         upper_coil, pair_of = self.rod.coil_pairs
         found = np.full(self.tables.points, -1, dtype=np.int64)
         vertices = ContactPoints.of(self.rod.mesh).vertex
-        found[: len(vertices)] = pair_of[vertices]
-        return upper_coil, found
+        moving, found[: len(vertices)] = np.unique(pair_of[vertices], return_inverse=True)
+        return upper_coil[moving], found
 
     @cached_property
     def _integers(self) -> NDArray[np.int64]:
