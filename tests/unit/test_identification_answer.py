@@ -13,6 +13,7 @@ import pytest
 from study_parts import identification_plan
 from unit.cli_parts import call
 from valvetrain.explore.execution import Execution
+from valvetrain.explore.identification_answer import IdentificationAnswer
 from valvetrain.explore.identify import run_identification
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
@@ -63,3 +64,10 @@ def test_the_answer_tells_si_values_with_their_units(tmp_path: Path) -> None:
     assert load["best"] == pytest.approx(0.012 * rate.best, rel=1e-9)
     (preload,) = told["predictions"]
     assert preload["best"] == pytest.approx(250.0) and preload["unit"] == "N"
+
+
+def test_the_verdict_calls_an_unknown_by_its_label(tmp_path: Path) -> None:
+    (tmp_path / "card.toml").write_text(CARD)
+    text = FILE.replace("[quantities.rate]", "[quantities.stiffness]")
+    found = run_identification(identification_plan(text, "card", tmp_path), Execution(workers=1))
+    assert IdentificationAnswer(found).verdict.fields["subject"] == "stiffness"

@@ -163,7 +163,7 @@ def determined(facts: IdentificationFacts) -> Iterator[Hit]:
         f"{plain_name(one.title) if several else ''} {facts.value(one)}" for one in unknowns[:3]
     ]
     yield Hit(fields={
-        "subject": f"all {len(unknowns)} unknowns" if several else plain_name(unknowns[0].name), "values": joined(values).strip(),
+        "subject": f"all {len(unknowns)} unknowns" if several else plain_name(unknowns[0].title), "values": joined(values).strip(),
         "met": f"{sum(abs(one.off) <= MET for one in used)} of {len(used)}" if more else "",
         "interval": "" if several else facts.interval(unknowns[0]), "command": facts.command, "file": facts.name or "identified.toml",
     })  # fmt: skip
