@@ -33,6 +33,7 @@ CHAPTERS = (
     "reduced_rods",
     "laws",
     "followers",
+    "orbits",
     "sources",
     "defaults",
 )
