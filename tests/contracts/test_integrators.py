@@ -92,7 +92,7 @@ class Trial:
 TRIALS = {
     "harmonic": Trial(PrescribedSpring((curved_modal(),), LAW), 200.0, 512, (1, 2, 4)),
     "rod-leapfrog": Trial(PrescribedSpring((ROD,), LAW), 300.0, 360, (120, 240, 480)),
-    "solid-leapfrog": Trial(PrescribedSpring((SOLID,), LAW), 1200.0, 90, (300, 600, 1200)),
+    "solid-leapfrog": Trial(PrescribedSpring((SOLID,), LAW), 9600.0, 45, (75, 150, 300)),
     "leapfrog": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (8, 16, 32)),
     "hht": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (1, 2, 4)),
     "train-leapfrog": Trial(driven(CHAIN, 1e7), 200.0, 360, (20, 40, 80)),

@@ -7,13 +7,13 @@ Evidence: processes that end at that moment. ``python -m faults`` repeats it at 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
+import tempfile
 
 import pytest
 from faults.commands import COMMANDS, OBSERVED, answer_in, words, write_inputs
 
-from unit.cli_parts import call, process_environment
+from unit.cli_parts import call
 from valvetrain.registry import places
 
 pytestmark = pytest.mark.skipif(
@@ -31,11 +31,21 @@ def inputs(tmp_path_factory):
 def killed(command, folder, behind):
     """What the command left that ended behind that file."""
     (folder / "temporary").mkdir(exist_ok=True)
-    done = subprocess.run(
-        [sys.executable, "-c", OBSERVED, str(behind), *words(command)],
-        cwd=folder, env=process_environment(TMPDIR=str(folder / "temporary")), capture_output=True, text=True,
-    )  # fmt: skip
-    assert done.returncode == -9, (done.returncode, done.stderr)
+    child = os.fork()  # a process of its own without the start of an interpreter
+    if child == 0:
+        try:
+            with open(folder / "told.log", "w") as told:
+                for stream in (1, 2):
+                    os.dup2(told.fileno(), stream)
+            os.chdir(folder)
+            tempfile.tempdir = os.environ["TMPDIR"] = str(folder / "temporary")
+            sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
+            sys.argv = ["valvetrain", str(behind), *words(command)]
+            exec(OBSERVED, {"__name__": "observed"})
+        finally:
+            os._exit(1)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == -9, (folder / "told.log").read_text()
     return {path.name for path in (folder / "out").iterdir()}
 
 

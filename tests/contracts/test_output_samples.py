@@ -29,7 +29,7 @@ from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
 
-SAMPLES = (360, 720, 1440)
+SAMPLES = (360, 1440)
 #: Numbers that agree to 0.1 % whatever is kept, raw fronts of less than a microsecond among them.
 FORCES = (
     "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "raw_peak_spring_force",
@@ -87,13 +87,13 @@ def agree(found: Sequence[Solution]) -> None:
 @pytest.mark.parametrize("case", ["job-c", "gu2021-beehive-blind"])
 @pytest.mark.parametrize("word", ["finite-element", "multi-mass"])
 def test_main_numbers_do_not_depend_on_the_samples_kept(case, word):
-    coarse, middle, fine = (found.quantities for found in solutions(case, word))
+    coarse, fine = (found.quantities for found in solutions(case, word))
     names = FORCES + (STRESSES if word == "finite-element" else ())
     for name in names:
-        assert [coarse[name], middle[name]] == pytest.approx([fine[name]] * 2, rel=1e-3), name
+        assert coarse[name] == pytest.approx(fine[name], rel=1e-3), name
     if word == "finite-element":
         for name in ON_EVERY_STEP:
-            assert [coarse[name], middle[name]] == pytest.approx([fine[name]] * 2, rel=1e-9), name
+            assert coarse[name] == pytest.approx(fine[name], rel=1e-9), name
 
 
 def test_the_largest_force_of_the_rod_is_that_of_all_steps_and_not_of_its_record():
@@ -245,7 +245,7 @@ def test_seating_of_a_train_does_not_depend_on_the_samples_kept():
         found.append(
             max((event.details["largest_gap"], event.cam_angle, event.size) for event in seat)
         )
-    assert found[0] == found[1] == found[2] and found[0][2] > 0.1
+    assert found[0] == found[1] and found[0][2] > 0.1
 
 
 #: Cases, variants and changes in which the train floats, loses contact, surges and closes quietly;
@@ -275,7 +275,7 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
         1 + 1e-9
     )
     found = []
-    for samples in (360, 720, 1440, 2880):
+    for samples in (360, 2880):
         options = RunOptions(samples, step, rest=ready.rest, window=ready.window, nose=ready.nose)
         found.append(
             with_quantities(
@@ -295,6 +295,5 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
     )
     assert names.issuperset((*named, "peak_spring_force", "lift_loss_displacement", "loft_gap"))
     for name in names:
-        assert [one[name] for one in found[:-1]] == pytest.approx(
-            [found[-1][name]] * 3, rel=1e-3, abs=1e-9
-        ), name
+        coarse, fine = (one[name] for one in found)
+        assert coarse == pytest.approx(fine, rel=1e-3, abs=1e-9), name

@@ -36,8 +36,7 @@ def test_every_template_runs_as_it_stands_and_answers_on_a_screen(tmp_path, monk
     assert "is there already" in sentence(call("new", "mine.toml", "--kind", kind))
     checked = call("check", "mine.toml")
     assert checked.exit_code == 0, checked.stderr
-    models = ("--model", "massless,multi-mass") if kind != "direct" else ()
-    result = call("run", "mine.toml", *models, *QUICK)
+    result = call("run", "mine.toml", "--model", "massless,multi-mass", *QUICK)
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     assert len(lines) < 30 and max(map(len, lines)) <= 100

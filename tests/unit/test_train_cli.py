@@ -58,10 +58,11 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
 
 def test_sweep_tells_where_contact_is_lost(folder):
     target = folder / "sweep"
-    words = typed("sweep tdi-pushrod --rpm 6500:8500:500 --model massless --spring-set stock")
-    data = json.loads(call(*words, "--output", str(target), *QUICK).stdout)
+    words = typed("sweep tdi-pushrod --rpm 6500:7500:500 --model massless --spring-set stock")
+    printed = call(*words, "--output", str(target), "--workers", "1").stdout
+    data = json.loads((target / "run.json").read_text())
     assert [run["engine_speed"]["value"] for run in data["runs"]] == pytest.approx(
-        [6500, 7000, 7500, 8000, 8500]
+        [6500, 7000, 7500]
     )
     found = {
         name: item
@@ -77,8 +78,7 @@ def test_sweep_tells_where_contact_is_lost(folder):
         7148 * math.pi / 30, abs=0.3
     )
     assert all(run["quantities"]["seating_velocity"]["unit"] == "m/s" for run in data["runs"])
-    assert (target / "run.json").is_file() and (target / "report.html").is_file()
-    printed = call(*words, "--output", str(target), "--no-report", "--workers", "1").stdout
+    assert (target / "report.html").is_file()
     assert {"step", "damping", "model"} <= {one["cause"] for one in row["members"]}
     lower = row["range"]["lower"]
     assert lower is None or lower["value"] <= speed * 1.0000001
