@@ -13,12 +13,16 @@ def slowness(repeats: int = 3) -> float:
     return max(1.0, min(_spent(_additions) for _ in range(repeats)) / 96e-3)
 
 
-def quickest(work: Callable[[], object], repeats: int = 3) -> float:
-    """Processor time of the quickest of some repeats, as seconds of that machine."""
+def quickest(work: Callable[[], object], repeats: int = 3, enough: float = 0.0) -> float:
+    """Processor time of the quickest of some repeats, as seconds of that machine; no more of them are
+    made once it is below ``enough``.
+    """
     times, slow = [], []
     for _ in range(repeats):
         slow.append(slowness(1))
         times.append(_spent(work))
+        if min(times) / min(slow) < enough:
+            break
     return min(times) / min(slow)
 
 

@@ -18,7 +18,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.spec import spring_model
 
 PAGE = Path(__file__).parents[2] / "docs" / "architecture.md"
-SPEED = 2000 * np.pi / 30
+SPEED = 4000 * np.pi / 30
 ALONE = {
     "finite elements under prescribed motion": "finite-element",
     "modal-varied under prescribed motion": "modal-varied",

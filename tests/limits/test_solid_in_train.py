@@ -24,13 +24,13 @@ TURN = 2 * np.pi
 RPM = np.pi / 30
 
 
-def pushrod():
+def pushrod(bricks=12):
     """The pushrod template with its wire on coarse meshes, damped so that it settles in two turns."""
     text = (resources.files("valvetrain") / "templates" / "pushrod.toml").read_text()
     case = parse_case(text.replace("ratio = 0.016", "ratio = 0.15"), "pushrod")
     wires = tuple(
         one.with_options("finite-element", elements_per_coil=16).with_options(
-            "solid", bricks_per_coil=12
+            "solid", bricks_per_coil=bricks
         )
         for one in case.train.springs["wire"]
     )
@@ -41,8 +41,8 @@ def pushrod():
 @pytest.fixture(scope="module")
 def study():
     return simulate(
-        pushrod(),
-        engine_speeds=[5000 * RPM],
+        pushrod(9),
+        engine_speeds=[6500 * RPM],
         models=["finite-element", "solid"],
         workers=1,
     )

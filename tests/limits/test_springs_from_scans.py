@@ -189,4 +189,4 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
 def test_a_design_that_is_too_high_for_the_scan_is_refused(found):
     case = vt.load_case("job-t", {"spring.precompression": "1 mm"})
     with pytest.raises(InputError, match=r"shorter than the .* between the seats"):
-        vt.scan.compare_scan(found["conical"][0], case)
+        vt.scan.compare_scan(found["cylindrical"][0], case)

@@ -86,7 +86,7 @@ def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
     def one():
         said.append(case.answer({"spring.precompression": next(heights)}, "").sentence)
 
-    assert quickest(one, 60) < 0.1 and not any(said)
+    assert quickest(one, 60, 0.1) < 0.1 and not any(said)
 
 
 def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkeypatch):
