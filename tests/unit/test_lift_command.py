@@ -216,7 +216,5 @@ def test_the_next_step_of_a_good_table_is_this_command_with_a_case(table):
     words = shlex.split(data["findings"][0]["step"])
     assert words[:3] == ["valvetrain", "lift", str(table)]
     assert words[words.index("--noise") + 1] == "3 um" and words[-1].startswith("template:")
-    again = json.loads(
-        invoke(*words[1:], "--draws", "4", "--model", "massless", "--json").stdout
-    )
+    again = json.loads(invoke(*words[1:], "--draws", "4", "--model", "massless", "--json").stdout)
     assert again["findings"][0]["code"] == "L210"
