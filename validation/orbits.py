@@ -426,8 +426,8 @@ def impact_oscillator() -> list[Row]:
             text(*numbers),
             (product, float(np.prod(found.multipliers).real)),
             "-",
-            0.01 * product,
-            "1 %",
+            0.005 * product,
+            "0.5 %",
         )
 
     def closed(drive: float) -> float:
