@@ -50,10 +50,6 @@ SOLID = SolidModel(
 TURN, ENDS = 2 * np.pi, ("seat_force", "retainer_force")
 
 
-def largest_difference(one: np.ndarray, other: np.ndarray) -> float:
-    return float(np.max(np.abs(one - other)))
-
-
 def driven(spring: SpringModel, stiffness: float) -> TrainSystem:
     """A valve of 0.1 kg tied to its lift law by a link (N/m) that pulls as well as it pushes,
     without a seat.

@@ -366,7 +366,7 @@ def test_a_steady_turn_is_sought_until_two_turns_agree():
     sought = HilberHughesTaylor(0.0).run(
         system, speed, Periodic(tolerance=1e-6), RunOptions(360), ORIGIN
     )
-    many = HilberHughesTaylor(0.0).run(system, speed, Cycles(20), RunOptions(360), ORIGIN)
+    many = HilberHughesTaylor(0.0).run(system, speed, Cycles(12), RunOptions(360), ORIGIN)
     assert sought.status.completed and sought.statistics["steady_tolerance_ratio"] == 1e-6
     assert (
         0 < sought.statistics["steady_residual_ratio"] <= 1e-6
@@ -376,7 +376,7 @@ def test_a_steady_turn_is_sought_until_two_turns_agree():
     fade = np.exp(-0.02 * OMEGA * 2 * np.pi / speed)  # of one turn
     assert (
         turns == pytest.approx(np.log(1e-6) / np.log(fade), abs=4)
-        and many.statistics["steady_cycles_count"] == 20
+        and many.statistics["steady_cycles_count"] == 12
     )
     np.testing.assert_allclose(
         sought.channel("seat_force"),

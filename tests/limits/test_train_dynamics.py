@@ -229,7 +229,7 @@ def test_nested_springs_that_stick_surge_as_one():
     found = {}
     for force in (0, 1000):
         stuck = load_case("vaz-ohc", {"train.rubbing": {"coefficient": 0.12, "normal_force": f"{force} N"}})  # fmt: skip
-        for speed in (4100, 4225, 4350):
+        for speed in (4100, 4225, 4350) if force else (4225,):
             (run,) = simulate(stuck, f"{speed} rpm", models="multi-mass", spring_sets="nested", workers=1).solutions  # fmt: skip
             found[force, speed] = (
                 run.quantities["surge_amplitude_force"],

@@ -177,23 +177,19 @@ def test_a_card_says_what_it_lacks_for_the_other_models(word):
 
 def test_rubbing_of_a_nested_pair_under_prescribed_motion():
     rubbing = '[rubbing]\ncoefficient = 0.15\nnormal_force = "60 N"\n'
-    free, rough = (
-        simulate(parse_case(text, "own-pair"), models=["multi-mass"], workers=1).solutions[0]
-        for text in (NESTED + LAW, NESTED + LAW + rubbing)
+    study, pair = (
+        simulate(parse_case(text, "own-pair"), models=models, workers=1)
+        for text, models in (
+            (NESTED + LAW, ["multi-mass"]),
+            (NESTED + LAW + rubbing, ["multi-mass", "modal-uniform"]),
+        )
     )
+    free, rough = (one.solution("multi-mass") for one in (study, pair))
     assert rough.status.completed and free.status.completed
     assert float(np.ptp(rough.channel("energy_dissipated"))) > float(
         np.ptp(free.channel("energy_dissipated"))
     )
-    refused = simulate(
-        parse_case(NESTED + LAW + rubbing, "own-pair"),
-        models=["multi-mass", "modal-uniform"],
-        workers=1,
-    )
-    assert (
-        refused.solution("modal-uniform").status.code == "refused"
-        and refused.solution("multi-mass").status.completed
-    )
+    assert pair.solution("modal-uniform").status.code == "refused"
 
 
 @pytest.mark.parametrize(
