@@ -129,7 +129,6 @@ BUILT_IN["integrators"] = {
     "solid-leapfrog": "valvetrain.integrate.solid_leapfrog:SPEC",
     "solid-in-train": "valvetrain.integrate.solid_in_train:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
-    "hht": "valvetrain.integrate.hht:SPEC",  # requested by name only: what it serves, the leapfrog serves before
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",

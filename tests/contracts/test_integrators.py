@@ -90,13 +90,8 @@ TRIALS = {
     "rod-leapfrog": Trial(PrescribedSpring((ROD,), LAW), 300.0, 360, (120, 240, 480)),
     "solid-leapfrog": Trial(PrescribedSpring((SOLID,), LAW), 9600.0, 45, (75, 150, 300)),
     "leapfrog": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (8, 16, 32)),
-    "hht": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (1, 2, 4)),
     "train-leapfrog": Trial(driven(CHAIN, 1e7), 200.0, 360, (20, 40, 80)),
 }
-
-
-#: Integrators that run only where they are asked for: what serves in their place without a word.
-DEFAULT = {"hht": "leapfrog"}
 
 
 #: What moves springs by another integrator, which is on trial (tests/limits/test_solid_in_train.py holds the rest).
@@ -127,7 +122,7 @@ def test_observed_order_is_the_declared_one(word):
 @pytest.mark.parametrize("word", TRIALS)
 def test_an_integrator_says_what_it_runs_and_refuses_the_rest(word):
     integrator, system = find("integrators", word), TRIALS[word].system
-    assert integrator_for(system, Cycles()).word == DEFAULT.get(word, word), (
+    assert integrator_for(system, Cycles()).word == word, (
         "the first of the registry that serves"
     )
     assert integrator.serves(system, Periodic())
