@@ -122,9 +122,7 @@ def test_observed_order_is_the_declared_one(word):
 @pytest.mark.parametrize("word", TRIALS)
 def test_an_integrator_says_what_it_runs_and_refuses_the_rest(word):
     integrator, system = find("integrators", word), TRIALS[word].system
-    assert integrator_for(system, Cycles()).word == word, (
-        "the first of the registry that serves"
-    )
+    assert integrator_for(system, Cycles()).word == word, "the first of the registry that serves"
     assert integrator.serves(system, Periodic())
     assert integrator.serves(system, RunUp(300.0, 100.0)) == (
         word in ("leapfrog", "train-leapfrog")
