@@ -46,16 +46,22 @@ MOVING = [
 ]
 
 
+WIRE = InstalledSpring(wire=CLOSED_ENDS, precompression=PRECOMPRESSION).with_options(
+    "finite-element", elements_per_coil=8
+)
+CARD = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
+
+
+@cache
+def statics():
+    return rod_statics(spring_model("finite-element").build(WIRE), 12e-3, steps=6, modes=12)
+
+
 @pytest.mark.parametrize("word", MOVING)
 def test_every_word_of_the_registry_is_in_this_battery(word):
-    wire = InstalledSpring(wire=CLOSED_ENDS, precompression=PRECOMPRESSION).with_options(
-        "finite-element", elements_per_coil=8
-    )
-    card = InstalledSpring(card=SpringCard(rate=30e3, preload=250.0, mass=0.04))
-    rod = spring_model("finite-element").build(wire)
-    for spring in (wire, card):
+    for spring in (WIRE, CARD):
         if not spring_model(word).why_not(spring):
-            model = spring_model(word).build(spring, rod_statics(rod, 12e-3, steps=6, modes=12))
+            model = spring_model(word).build(spring, statics())
             assert isinstance(model, SpringModel)
             assert type(model) in {type(member) for member in MODELS.values()}
 
