@@ -71,6 +71,17 @@ def test_the_chosen_spring_set_runs_and_is_remembered(bench, page, finished):
     )
 
 
+def test_branches_of_motion_are_marched_and_drawn(bench, page, finished):
+    open_case(bench, page, TRAIN)
+    page.locator("#kind-branches").check()
+    page.get_by_label("Engine speeds (crank)").fill("3000:3100:50 rpm")
+    page.get_by_role("button", name="Run", exact=True).click()
+    shown(page)
+    page.wait_for_function(
+        "Array.from(document.querySelectorAll('.plot')).some((plot) => plot._fullData?.some((one) => one.name === 'falling'))"
+    )
+
+
 def level(folder: Path, name: str, mean: float) -> Path:
     """A test that is made up: a level with two repeats 7 N above and below it, so its mean is
     known.

@@ -24,6 +24,7 @@ from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
 from valvetrain.runs.prepared import PreparedRun
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
+from valvetrain.runs.requests import MARCHED
 from valvetrain.runs.train_runs import prepare_trains
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.branches import Branches, BranchPoint
@@ -39,8 +40,6 @@ SAMPLES, ORBIT_TOLERANCE, ORBIT_CYCLES = 720, 1e-6, 40
 SETTLING, REPEATS = 120, 1e-5
 #: Revolutions of a motion that never repeats whose values are kept, and over which a disturbance grows.
 SHOWN, GROWTH = 24, 60
-#: Revolutions of a march at most.
-MOST_REVOLUTIONS = 40_000
 
 
 @dataclass
@@ -127,8 +126,9 @@ def branches(
     *,
     spring_sets: Sequence[str] | str = (),
     quantity: str = "loft_gap",
-    revolutions: int = MOST_REVOLUTIONS,
+    revolutions: int = MARCHED,
     progress: Progress | None = None,
+    implausible: bool = False,
 ) -> Branches:
     """Motions of a train over engine speed: a march up through the speeds and down again, each from the motion before.
 
@@ -141,6 +141,7 @@ def branches(
     quantity : number of a revolution: loft_gap, seating_velocity, float_excess_lift, peak_valve_lift, peak forces
     revolutions : most that the march takes; it then ends with what it has
     progress : called with the share done and a text
+    implausible : whether values outside the plausible ranges pass
 
     Returns
     -------
@@ -162,7 +163,8 @@ def branches(
     ).settled()
     speeds = tuple(sorted(si_speeds(engine_speeds, "engine_speed", "engine_speeds")))
     refuse_speeds(problem, speeds)
-    refuse_implausible(problem, speeds)
+    if not implausible:
+        refuse_implausible(problem, speeds)
     ready = prepare_trains(problem, speeds, PartialFailures())[0][0]
     if ready.refusal:
         raise InputError(ready.refusal)

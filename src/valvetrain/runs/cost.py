@@ -110,6 +110,8 @@ def _rounded_up(value: float, units: Mapping[str, float]) -> str:
 
 #: Cam revolutions until a motion repeats, where a case gives no number; time (s) in which a spring alone forgets its start.
 CYCLES, FORGOTTEN = 6, 0.1
+#: Revolutions of a speed of a march, in the mean of those that settle at once and those that never repeat.
+MARCH_TURNS = 60
 #: Seconds that a run stored whole takes in addition to its steps.
 OVERHEAD = 0.3
 #: Search for the critical speeds of one train: distance (rad/s) of the speeds that it scans, runs of its ranges and roots,
@@ -255,6 +257,13 @@ def run_up_cost(request: RunRequest, ramp: tuple[float, float, float]) -> Cost:
     steady = request_cost(RunRequest("run-up", request.case, (mean,), models, sets, 1), whole=False)
     runs = duration * mean / (4 * math.pi) / CYCLES
     return Cost(steady.seconds * runs, steady.bytes)
+
+
+def march_cost(request: RunRequest, revolutions: int) -> Cost:
+    """Cost of a march up and down the speeds of a request within so many cam ``revolutions``."""
+    steady, speeds = request_cost(request, whole=False), len(request.engine_speeds or ())
+    turns = min(revolutions, 2 * speeds * MARCH_TURNS)
+    return Cost(steady.seconds * turns / (CYCLES * max(speeds, 1)), steady.bytes)
 
 
 def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int = 1) -> Cost:

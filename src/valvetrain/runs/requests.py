@@ -31,6 +31,7 @@ from valvetrain.runs.request_fields import (
     read_speed,
     read_speeds,
     read_switch,
+    read_text,
 )
 
 if TYPE_CHECKING:
@@ -359,6 +360,52 @@ class RunUp(SpringRequest, ParallelRequest):
 
         parts = self.models, self.spring_sets, self.worker_count
         return run_up_cost(RunRequest(self.command, self.case, None, *parts), self.ramp)
+
+
+#: Most cam revolutions of a march up and down.
+MARCHED = 40_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class March(SpringRequest):
+    """A march of a train up and down through engine speeds."""
+
+    command = "branches"
+
+    engine_speeds: tuple[float, ...] = option(
+        read_speeds,
+        "Speeds of the march: '7000:9700:25 rpm' (default: from 0.7 to 1.2 times the red line).",
+        "--rpm",
+        "SPEEDS",
+        default=(),
+    )
+    quantity: str = option(
+        read_text,
+        "loft_gap, seating_velocity, float_excess_lift, ...",
+        "--quantity",
+        "NAME",
+        default="loft_gap",
+    )
+    revolutions: int = option(
+        partial(read_count, 1, 10**7),
+        "Cam revolutions of the march at most.",
+        "--revolutions",
+        "N",
+        default=f"{MARCHED}",
+    )
+
+    @property
+    def march_speeds(self) -> tuple[float, ...]:
+        """Those that were asked for (rad/s), else from 0.7 to 1.2 times the top speed of the case in steps of 1 %."""
+        top = self.case.operation.top_speed or 6000 * RPM
+        return self.engine_speeds or tuple(top * share / 100 for share in range(70, 121))
+
+    def cost(self) -> Cost:
+        """Estimated time and memory."""
+        from valvetrain.runs.cost import RunRequest, march_cost
+
+        parts = self.march_speeds, self.models, self.spring_sets, 1
+        return march_cost(RunRequest(self.command, self.case, *parts), self.revolutions)
 
 
 @dataclass(frozen=True, kw_only=True)

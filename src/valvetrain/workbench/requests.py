@@ -18,6 +18,7 @@ from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs.cost import Cost, Limits, cost_text, refuse_cost
 from valvetrain.runs.request_fields import Option, option, options_of, read_count, read_text
 from valvetrain.runs.requests import (
+    March,
     Modes,
     Refine,
     Request,
@@ -77,7 +78,8 @@ class QuantityStudy(SpringRequest, SteadyRequest):
 
 #: What a job may compute, by the name of its command.
 REQUESTS: Mapping[str, type[Request]] = {
-    model.command: model for model in (Run, Sweep, QuantityStudy, RunUp, Static, Modes, Refine)
+    model.command: model
+    for model in (Run, Sweep, March, QuantityStudy, RunUp, Static, Modes, Refine)
 }
 #: Fields that the server sets, or that a page has no field for.
 SET_HERE = ("case", "workers", "limit")

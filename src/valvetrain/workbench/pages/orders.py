@@ -26,9 +26,12 @@ LABELS = {
 USUAL = {"engine_speeds": "as the case says"}
 #: Kind of a job -> what it does.
 KINDS = {
-    "run": "Run at engine speeds", "sweep": "Sweep over engine speed", "study": "Study of a quantity", "run-up": "Run-up",
-    "static": "Static curve", "modes": "Modes", "refine": "Error bars",
+    "run": "Run at engine speeds", "sweep": "Sweep over engine speed", "branches": "Branches of motion",
+    "study": "Study of a quantity", "run-up": "Run-up", "static": "Static curve", "modes": "Modes", "refine": "Error bars",
 }  # fmt: skip
+
+#: Numbers of one revolution that branches show, the first by default.
+OF_A_REVOLUTION = ("loft_gap", "seating_velocity", "float_excess_lift", "peak_valve_lift")
 
 Choice = dict[str, Any]
 
@@ -52,14 +55,15 @@ def orders_for(
     }
     kinds, given = [], {}
     for kind in KINDS:
-        if (kind == "run-up" and case.train is None) or (
+        if (kind in ("run-up", "branches") and case.train is None) or (
             case.lift_law is None and kind in ("sweep", "study", "refine")
         ):
             continue
+        of_kind = choices | ({"quantity": _labelled(OF_A_REVOLUTION)} if kind == "branches" else {})
         fields = [
-            _field(name, one, choices.get(name))
+            _field(name, one, of_kind.get(name))
             for name, one in fields_of(REQUESTS[kind]).items()
-            if name not in choices or choices[name]
+            if name not in of_kind or of_kind[name]
         ]
         kinds.append({"kind": kind, "label": KINDS[kind], "fields": fields})
         given[kind] = {one["name"]: one["value"] for one in fields}
@@ -148,6 +152,12 @@ def sets_for(case: Case) -> list[Choice]:
 
 def outputs_for(case: Case) -> list[Choice]:
     """Quantities that a study can have as outputs."""
-    names = names_for("study", "spring" if case.train is None else "train")
-    labels = (", ".join(filter(None, (label_of(one), definition_of(one).remark))) for one in names)
-    return [{"value": name, "label": label} for name, label in zip(names, labels, strict=True)]
+    return _labelled(names_for("study", "spring" if case.train is None else "train"))
+
+
+def _labelled(names: Iterable[str]) -> list[Choice]:
+    """Quantities with their labels."""
+    return [
+        {"value": name, "label": ", ".join(filter(None, (label_of(name), definition_of(name).remark)))}
+        for name in names
+    ]  # fmt: skip

@@ -15,6 +15,7 @@ KINDS = {
     "run": "run",
     "compare": "models compared",
     "sweep": "sweep",
+    "branches": "branches of motion",
     "compare-springs": "springs compared",
     "study": "study",
     "static": "static curve",
