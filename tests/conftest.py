@@ -23,7 +23,8 @@ LONG = "VALVETRAIN_LONG"
 #: Files that take longest, longest first: begun first, so that no worker ends with one of them alone.
 FIRST = (
     "test_workbench_browser", "test_code_blocks", "test_report_browser", "test_docstring_examples", "test_how_to",
-    "test_workbench_files_browser", "test_motion_browser", "test_workers_and_signals", "test_added_laws",
+    "test_workbench_files_browser", "test_motion_browser", "test_workbench_under_faults", "test_defaults_against_finest",
+    "test_solid_in_motion", "test_solid_in_train", "test_killed_commands", "test_workers_and_signals", "test_added_laws",
     "test_output_samples", "test_cli_process", "test_damaged_files", "test_cli_runs", "test_cli_streams", "test_studies",
     "test_no_result_is_lost", "test_refinement_stopped", "test_lift_command", "test_options_of_commands", "test_card_default",
     "test_spring_models", "test_workbench_jobs", "test_python_cases", "test_scan_command", "test_study_command",

@@ -51,7 +51,13 @@ def runs(case: str) -> tuple[Solution, ...]:
         for place in (0, 1)[: 1 if case == "job-c" else 2]
     }
     loaded = load_case(
-        case, coarse | ({"spring.guide.bore": "40 mm"} if case == "job-c" else {"train.cycles": 1})
+        case,
+        coarse
+        | (
+            {"spring.guide.bore": "40 mm", "operation.cycles": 1}
+            if case == "job-c"
+            else {"train.cycles": 1}
+        ),
     )
     return simulate(loaded, engine_speeds=[SPEED], models=words, workers=1).solutions
 

@@ -64,27 +64,6 @@ def test_last_whole_turn_is_reported():
     assert cycle.cam_angle[0] == 0 and len(cycle.cam_angle) == 720
 
 
-def test_low_pass_has_its_declared_gain_and_no_phase():
-    time = np.arange(4000) * 1e-5
-    for frequency, gain in ((500.0, 1.0), (10e3, 0.5), (30e3, (1 + _warped(30e3) ** 8) ** -1)):
-        wave = np.cos(2 * np.pi * frequency * (time - time[2000]))
-        smooth = low_pass(time, wave, 10e3)
-        assert smooth[2000] == pytest.approx(gain, abs=2e-3)
-        np.testing.assert_allclose(smooth[1500:2000][::-1], smooth[2001:2501], atol=1e-6)
-
-
-def _warped(frequency):
-    return np.tan(np.pi * frequency * 1e-5) / np.tan(np.pi * 10e3 * 1e-5)
-
-
-def test_low_pass_keeps_the_impulse_and_lowers_a_narrow_spike():
-    time = np.arange(2000) * 5e-6
-    spike = 1000 * np.clip(1 - np.abs(time - 5e-3) / 20e-6, 0, None)
-    heights = [low_pass(time, spike, cutoff).max() for cutoff in (5e3, 10e3, 20e3)]
-    assert heights[0] < heights[1] < heights[2] < 1000
-    assert low_pass(time, spike, 10e3).sum() == pytest.approx(spike.sum(), rel=1e-6)
-
-
 def test_filter_refuses_what_it_cannot_do():
     time = np.arange(100) * 1e-4
     with pytest.raises(InputError, match="10 kHz"):

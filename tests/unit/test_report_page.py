@@ -19,7 +19,6 @@ from synthetic_study import (
     train_run,
     train_study,
 )
-from valvetrain.errors import InputError
 from valvetrain.solution.netcdf import load_netcdf, load_result
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import PartialFailures, Status
@@ -113,12 +112,6 @@ def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
     assert not (tmp_path / "report.html").exists()
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").status.completed
-
-
-def test_unwritable_folder_is_an_input_error(tmp_path):
-    (tmp_path / "taken").write_text("a file")
-    with pytest.raises(InputError, match="cannot be written"):
-        write_study(own_study(), tmp_path / "taken")
 
 
 def test_same_study_gives_the_same_page():

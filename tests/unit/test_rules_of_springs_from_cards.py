@@ -14,7 +14,6 @@ from valvetrain.measured.door import Doubt
 from valvetrain.spring_card import CatalogueCard, SpringLoad, card_from_table, spring_from_tester
 from valvetrain.spring_card.answer import CardAnswer
 from valvetrain.spring_card.rules import RULES, CardFacts
-from valvetrain.views.results import figures_of
 
 PLAIN = {
     "wire_diameter": "4.4 mm", "outer_diameter": "32 mm", "installed_load": SpringLoad("46 mm", "350 N"),
@@ -94,15 +93,6 @@ def test_the_number_that_contradicts_the_others_is_the_verdict_and_is_marked():
     assert shown.verdict.limit == pytest.approx(57e-3)
     assert shown.verdict.value == pytest.approx(54.65e-3, rel=1e-3)
     assert [one.mark for one in shown.lines].count("warn") == 1
-
-
-@pytest.mark.parametrize("name", ["plain", "tested"])
-def test_first_rows_and_figures(name):
-    shown = answer(name)
-    assert 4 <= len(shown.lines) <= 12 and next(iter(figures_of(shown))) == "force"
-    assert all(len(one.cells) == len(shown.headings) for one in shown.lines)
-    assert shown.rests_on and all(table.rows for key, table in shown.tables().items() if key != "pitch")  # fmt: skip
-    assert bool(shown.tables()["pitch"].rows) == (name == "tested")
 
 
 def test_a_stress_is_that_of_the_open_load():
