@@ -211,7 +211,7 @@ def _of_study(answer: Mapping[str, Any], row: Row) -> float:
     wanted = _inputs(row)
     speeds = [float(one.split()[0]) for one in row.place if SPEED.fullmatch(one)]
     for one in answer["rows"]:
-        own = one["engine_speed"]
+        own = one.get("engine_speed") or math.pi / 30 * (one.get("speed") or 0.0)
         if speeds and not math.isclose(own, speeds[0] * math.pi / 30, rel_tol=1e-6):
             continue
         given = {

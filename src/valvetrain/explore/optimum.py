@@ -19,7 +19,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.display import Reported, frame, verdict_first
+from valvetrain.solution.display import Reported, frame_of, verdict_first
 from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
@@ -152,12 +152,7 @@ class Optimum(Reported):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A frame with a row for each trial, SI, the units in its ``attrs``."""
-        data = self.to_xarray()
-        columns = {str(name): one.values for name, one in data.variables.items()}
-        units = {
-            str(name): one.attrs["units"] for name, one in data.items() if "units" in one.attrs
-        }
-        return frame(columns, units=units)
+        return frame_of(self.to_xarray())
 
     def case_of(self, design: Design) -> Case:
         """The case with the values of a design."""

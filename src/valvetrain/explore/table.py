@@ -19,7 +19,7 @@ from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
-from valvetrain.solution.display import Reported, frame, verdict_first
+from valvetrain.solution.display import Reported, frame_of, verdict_first
 from valvetrain.solution.status import Status
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ class StudyTable(Reported):
 
     def rows_of(self, run: Run) -> NDArray[np.int64]:
         """Rows of one run, in the order of the draws."""
-        return np.flatnonzero([one == run for one in self.runs])
+        return np.arange(self.plan.runs.index(run), len(self), len(self.plan.runs))
 
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over point, speed (rpm of the crank), model, and spring set where there are
@@ -201,7 +201,7 @@ class StudyTable(Reported):
         data: dict[str, Any] = {}
         for name, column in zip(self.outputs, self.values.T, strict=True):
             numbers = column.reshape(shape)
-            about = {"units": definition_of(name).si_unit, "long_name": label_of(name)}
+            about = {"units": definition_of(name).si_unit or "1", "long_name": label_of(name)}
             data[name] = (still, numbers[:, 0], about) if name in limits else (dims, numbers, about)
         status = np.reshape([one.code for one in self.statuses], shape)
         coordinates: dict[str, Any] = {
@@ -217,24 +217,11 @@ class StudyTable(Reported):
         return dataset.isel(dropped, drop=True)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and
-        status; needs pandas.
-        """
-        speeds, models, sets = zip(*self.runs, strict=True) if self.runs else ((), (), ())
-        names = [one.name for one in self.plan.varied]
-        columns: dict[str, Any] = dict(zip(names, self.inputs.T, strict=True))
-        columns.setdefault("engine_speed", np.array(speeds, dtype=float))
-        columns |= {"spring_model": list(models), "spring_set": list(sets)}
-        columns |= dict(zip(self.outputs, self.values.T, strict=True))
-        columns["status"] = [one.code for one in self.statuses]
-        columns["reason"] = ["" if one.completed else one.sentence() for one in self.statuses]
-        units = {"engine_speed": "rad/s"} | {
-            one.name: one.si_unit or "1" for one in self.plan.varied
-        }
-        return frame(
-            columns,
-            units=units | {name: definition_of(name).si_unit or "1" for name in self.outputs},
-        )
+        """The same as a frame of rows, with the reason of those that did not complete."""
+        data = self.to_xarray()
+        made = frame_of(data, data["status"].dims)
+        made["reason"] = ["" if one.completed else one.sentence() for one in self.statuses]
+        return made
 
     def __repr__(self) -> str:
         done = int(np.count_nonzero(self.completed))

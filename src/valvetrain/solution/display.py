@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -19,6 +19,7 @@ from valvetrain.registry import find
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 
 #: SI unit -> shown unit and its factor; other units are shown as they are.
@@ -102,6 +103,15 @@ def frame(
     made = pandas.DataFrame(dict(columns))
     made.attrs["units"] = dict(units or {})
     return made.set_index(index) if index else made
+
+
+def frame_of(data: xarray.Dataset, dims: Sequence[Hashable] | None = None) -> pandas.DataFrame:
+    """A Dataset as a frame with a row for each place along ``dims``, the units in its ``attrs``."""
+    made = data.to_dataframe(dims).reset_index()
+    made.attrs["units"] = {
+        name: one.attrs["units"] for name, one in data.variables.items() if "units" in one.attrs
+    }
+    return made
 
 
 class Shown:
