@@ -120,7 +120,6 @@ BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
     "page": "valvetrain.views.results:report_result",
     "study": "valvetrain.views.results:write_study",
-    "points": "valvetrain.explore.results:report",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from architecture.layout import ROOT
 from valvetrain.cli.main import app
 from valvetrain.explore.identification_file import Method, Search
-from valvetrain.explore.measurements import FORMS
+from valvetrain.explore.observe import FORMS
 
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
 

@@ -18,6 +18,7 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from unit.test_study_command import points_kept
 from valvetrain.explore.engine import Interrupted
+from valvetrain.explore.optimise import STEPS
 from valvetrain.explore.optimum import case_text
 from valvetrain.views.page import data_of
 from valvetrain.views.results import answer_of
@@ -248,7 +249,7 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     def interrupted(*_: object, **__: object) -> None:
         raise Interrupted(held)
 
-    monkeypatch.setattr("valvetrain.explore.optimise.run_search", interrupted)
+    monkeypatch.setattr("valvetrain.explore.optimise.STEPS", (*STEPS[:2], interrupted))
     (tmp_path / "light.toml").write_text(LIGHT)
     answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
     assert answer.exit_code == 130 and "start the command again to continue" in answer.stderr

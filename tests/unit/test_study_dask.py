@@ -230,9 +230,9 @@ def test_estimates_are_made_by_the_workers_of_the_cluster(monkeypatch):
     """Closed form: four workers take a quarter of one's time, and no memory of this machine."""
     monkeypatch.setattr(Cluster, "_its_workers", lambda self: 40)
     plan = read_plan(FileText(TEXT.format(count=64), "study", Path(), StudyModel))
-    alone, two = estimate_study(plan, 1).cost, estimate_study(plan, 2).cost
+    alone, two = estimate_study(plan, 1), estimate_study(plan, 2)
     with threads_of_this_process(1) as address, vt.runs.on_cluster(address, workers=1) as count:
-        there = estimate_study(plan, count).cost
+        there = estimate_study(plan, count)
     assert there.seconds == pytest.approx(alone.seconds / 40)
     assert there.bytes == pytest.approx(2 * alone.bytes - two.bytes)
 

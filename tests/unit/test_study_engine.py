@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
-from valvetrain.explore.execution import Execution
 from valvetrain.explore.files import FileText
 from valvetrain.explore.outputs import Outcome
+from valvetrain.explore.requests import Execution
 from valvetrain.explore.study import (
     StudyModel,
     estimate_study,
@@ -108,7 +108,7 @@ def test_memory_of_a_point_is_bounded(computed, tmp_path):
         peaks[len(table)] = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     assert (peaks[36**2] - peaks[12**2]) / (36**2 - 12**2) < 600
-    assert peaks[36**2] < estimate_study(plan, 2).cost.bytes
+    assert peaks[36**2] < estimate_study(plan, 2).bytes
 
 
 def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_start(
@@ -151,9 +151,9 @@ def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
         estimate_study(plan_of(50), 2),
         estimate_study(plan_of(50, "finite-element"), 2),
     )
-    assert many.points == 2500 and many.cost.seconds == pytest.approx(100 * few.cost.seconds)
-    assert rods.cost.seconds > 5 * many.cost.seconds
-    assert estimate_study(plan_of(50), 4).cost.seconds == pytest.approx(many.cost.seconds / 2)
+    assert many.seconds == pytest.approx(100 * few.seconds)
+    assert rods.seconds > 5 * many.seconds
+    assert estimate_study(plan_of(50), 4).seconds == pytest.approx(many.seconds / 2)
 
 
 def test_a_request_beyond_its_bound_is_refused_with_its_numbers(computed):

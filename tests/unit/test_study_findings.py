@@ -218,7 +218,7 @@ def test_zero_lash_is_no_choice():
     assert best["best"] == 0  # a function has no lash of a train
     one = Space([Varied("train.lash", "mm", distribution=Values((0.0, 1e-4, 2e-4)))])
     values = np.array([[0.1], [0.2], [0.3]])
-    plan = replace(table("map").plan, experiment=Evaluation(None, one, Outputs("seating_velocity", function=linear)))  # fmt: skip
+    plan = replace(table("map").plan, evaluation=Evaluation(None, one, Outputs("seating_velocity", function=linear)))  # fmt: skip
     made = replace(table("map"), plan=plan, inputs=1e-4 * np.array([[0.0], [1.0], [2.0]]), values=values,
                    runs=plan.runs * 3, statuses=table("map").statuses[:3])  # fmt: skip
     assert StudyFacts(made).ends["best"] == 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.compare_test.reader import FEW, SAME_SPEED
 from valvetrain.compare_test.tables import value_name, value_quantity
-from valvetrain.findings.engine import Condition, Fields, Hit, Rule, Subject
+from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, Phrase, digits_text, joined, speed_text
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.quantities.signal import WINDOWS
@@ -124,7 +124,7 @@ def _place(facts: AgainstTest, run: RunAgainstTest) -> Fields:
 def judged(verdict: bool | None, doc: str) -> Condition:
     """A condition on the nearest run: whether the test does not refute it; None: there is no F-test."""
 
-    def hits(facts: AgainstTest) -> Iterator[Hit]:
+    def hits(facts: AgainstTest) -> Hits:
         for run in facts.result.runs[:1]:
             if (run.adequacy.adequate if run.adequacy else None) is verdict:
                 why, _, advice = run.without.rpartition("; ")
@@ -140,7 +140,7 @@ def judged(verdict: bool | None, doc: str) -> Condition:
     return hits
 
 
-def shifted(facts: AgainstTest) -> Iterator[Hit]:
+def shifted(facts: AgainstTest) -> Hits:
     """A shift along the cam angle, alone or with an offset, is all that the test refutes."""
     for run in facts.result.runs[:1]:
         test, near = run.adequacy, run.agreement
@@ -158,13 +158,13 @@ def shifted(facts: AgainstTest) -> Iterator[Hit]:
             })  # fmt: skip
 
 
-def nothing(facts: AgainstTest) -> Iterator[Hit]:
+def nothing(facts: AgainstTest) -> Hits:
     """No run ended, so nothing can be compared."""
     if not facts.result.runs:
         yield Hit()
 
 
-def failed(facts: AgainstTest) -> Iterator[Hit]:
+def failed(facts: AgainstTest) -> Hits:
     """Runs that did not end."""
     first, *others = facts.result.failures or ("",)
     if first:
@@ -174,14 +174,14 @@ def failed(facts: AgainstTest) -> Iterator[Hit]:
 def when(holds: Callable[[AgainstTest], bool], doc: str) -> Condition:
     """A condition without fields."""
 
-    def hits(facts: AgainstTest) -> Iterator[Hit]:
+    def hits(facts: AgainstTest) -> Hits:
         return iter([Hit()] if holds(facts) else [])
 
     hits.__doc__ = doc
     return hits
 
 
-def left_out(facts: AgainstTest) -> Iterator[Hit]:
+def left_out(facts: AgainstTest) -> Hits:
     """Models without the measured curve or a speed of the table, and values that no run computes."""
     runs = facts.result.runs
     ended = {run.label for run in facts.result.study.solutions if run.status.completed}
@@ -198,7 +198,7 @@ def left_out(facts: AgainstTest) -> Iterator[Hit]:
         )
 
 
-def other_speed(facts: AgainstTest) -> Iterator[Hit]:
+def other_speed(facts: AgainstTest) -> Hits:
     """The model ran at another speed than the test."""
     ran = facts.result.study.engine_speeds
     stated = 0.0 if facts.cycles is None else 2 * facts.cycles.cam_speed
@@ -206,7 +206,7 @@ def other_speed(facts: AgainstTest) -> Iterator[Hit]:
         yield Hit(fields={"test": speed_text(stated), "model": speed_text(ran[0])})
 
 
-def few(facts: AgainstTest) -> Iterator[Hit]:
+def few(facts: AgainstTest) -> Hits:
     """Two or three repeats, which hardly show how the scatter varies along the angle and how values move together."""
     test = facts.result.test
     count = len(test.values) if isinstance(test, MeasuredCycles) else test.repeats
@@ -214,7 +214,7 @@ def few(facts: AgainstTest) -> Iterator[Hit]:
         yield Hit(fields={"count": str(count)})
 
 
-def alike(facts: AgainstTest) -> Iterator[Hit]:
+def alike(facts: AgainstTest) -> Hits:
     """Cycles that resemble the one before them, so that they are fewer repeats than they seem."""
     if facts.cycles is not None and math.isfinite(fewer := facts.result.separate):
         yield Hit(

@@ -14,8 +14,7 @@ from valvetrain.cli.outcome import WORTH_SAYING, at_end, deliver, tell
 from valvetrain.cli.parts import PartsLine, answer_parts
 from valvetrain.cli.request import CommandLine, command_of
 from valvetrain.cli.run_answer import show_page
-from valvetrain.explore.execution import Watch
-from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study
+from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study, Watch
 from valvetrain.runs.requests import Parts
 
 if TYPE_CHECKING:
@@ -64,9 +63,9 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.explore.engine import Interrupted
     from valvetrain.explore.files import case_words
-    from valvetrain.explore.results import answer_in
     from valvetrain.runs.run_folders import ROOT, safe_name
     from valvetrain.session import call_case
+    from valvetrain.views.results import answer_of
 
     folder = request.output or ROOT / request.command / safe_name(Path(request.file).stem)
     request = replace(request, output=folder / POINTS)
@@ -88,7 +87,8 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
         result = cut.result
     except KeyboardInterrupt:
         pass
-    answer = None if result is None else answer_in(result, folder)
+    shown: Any = None if result is None else answer_of(result)
+    answer: ExploreAnswer | None = shown and replace(shown, folder=folder)
     stopped = answer is None or answer.stopped
     if answer is not None:
         with suppress(*([typer.Exit] if stopped else [])):
@@ -102,18 +102,20 @@ def _deliver(command: str, answer: ExploreAnswer, open_page: bool) -> None:
     """Write files and page of an answer, and print it."""
     from valvetrain.cli.outcome import Outcome, plain, to_json
     from valvetrain.cli.progress import busy
-    from valvetrain.explore.results import answer_json, write_files
+    from valvetrain.explore.results import answer_json
     from valvetrain.solution.atomic import write_text
     from valvetrain.solution.status import PartialFailures
+    from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 
     assert answer.folder is not None
     folder, gaps, name = answer.folder, PartialFailures(), f"{command}.json"
     with busy("writing files"):
         data = {"command": command, **answer_json(answer)}
-        files = write_files(answer, gaps)
-        page = next((path for path in files if path.name == "report.html"), None)
-        data |= {"folder": str(folder), "files": [*map(str, files)], "page": page and str(page)}
+        files = [gaps.part(f"file '{one}'", None, write, folder / one) for one, write in answer.files().items()]  # fmt: skip
+        page = write_page(answer, folder, gaps)
+        written = [str(path) for path in (*files, page) if path is not None]
+        data |= {"folder": str(folder), "files": written, "page": page and str(page)}
         text = to_json(plain(data)) + "\n"
         gaps.part(f"file '{name}'", None, write_text, folder / name, text)
     if page is not None and open_page:

@@ -16,10 +16,10 @@ from scipy.special import ndtri
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
+from valvetrain.explore.requests import silent
 from valvetrain.explore.samplers import needs
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress

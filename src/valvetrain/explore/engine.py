@@ -5,7 +5,6 @@ in use, and stored as it comes.
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
 import math
 from abc import ABC, abstractmethod
@@ -37,16 +36,12 @@ from valvetrain.solution.uncertainty import Uncertainty
 
 #: Jobs that are submitted at a time, which bounds memory and the wait for any of them.
 JOBS = 512
-#: Values (SI) of a point and the task that is computed of it.
-Place = tuple[tuple[float, ...], Any]
 #: Errors of a function of one's own that make its point a refused one; others end the experiment.
 _OF_FUNCTION = (InputError, ArithmeticError, ValueError)
 
 
 class Computation(ABC):
-    """What an engine computes at points: of every point each of its ``tasks``, ``together`` points in a job."""
-
-    together = 1
+    """What an engine computes at points: of every point each of its ``tasks``."""
 
     @property
     def tasks(self) -> tuple[Any, ...]:
@@ -61,10 +56,6 @@ class Computation(ABC):
     @abstractmethod
     def evaluate(self, values: Iterable[float], task: Any) -> Outcome:
         """The outcome of one task at a point, which depends on no other point."""
-
-    def outcomes(self, places: Sequence[Place]) -> list[Outcome]:
-        """The outcomes of a few places, in a worker."""
-        return [self.evaluate(values, task) for values, task in places]
 
     def key_of_output(self, name: str, task: Any) -> str:
         """The key of an output for measurements."""
@@ -199,6 +190,30 @@ class Evaluation(Computation):
         return ": ".join(filter(None, (task.run.label, name)))
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plan:
+    """What a study or a search does with an ``evaluation``."""
+
+    evaluation: Evaluation
+    title: str = ""
+    description: str = ""
+
+    @property
+    def case(self) -> Case | None:
+        """The case, None of a function."""
+        return self.evaluation.case
+
+    @property
+    def case_name(self) -> str:
+        """Name of the case, or of the function."""
+        return self.evaluation.name
+
+    @property
+    def varied(self) -> Space:
+        """The varied quantities."""
+        return self.evaluation.space
+
+
 def with_case_units(case: Case, space: Space) -> Space:
     """The space with the units of the case for quantities that give none."""
 
@@ -291,8 +306,4 @@ class Engine:
 
 def evaluate_jobs(computations: Sequence[Computation], jobs: Sequence[Job]) -> list[Outcome]:
     """Outcomes of a few points, in a worker."""
-    return [
-        outcome
-        for index, group in itertools.groupby(jobs, key=lambda job: job[0])
-        for outcome in computations[index].outcomes([(values, task) for _, values, task in group])
-    ]
+    return [computations[index].evaluate(values, task) for index, values, task in jobs]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
-from valvetrain.explore.execution import Execution, Watch, silent
+from valvetrain.explore.requests import Execution, Watch, silent
 from valvetrain.explore.samplers import listed
 from valvetrain.explore.samplers import sampler as find_sampler
 from valvetrain.explore.study import run_experiment

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
 
-from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Computation
@@ -19,9 +17,15 @@ from valvetrain.explore.files import (
     FileText,
     VaryModel,
 )
-from valvetrain.explore.measurements import PredictionModel, Target, TargetData, read_measurement
-from valvetrain.explore.observe import FunctionPoints, Observed
-from valvetrain.explore.posterior import Datum, Numbers
+from valvetrain.explore.observe import (
+    FunctionPoints,
+    Observed,
+    PredictionModel,
+    Target,
+    TargetData,
+    read_measurement,
+)
+from valvetrain.explore.posterior import Datum
 from valvetrain.explore.space import Space
 from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case import Case
@@ -174,7 +178,7 @@ def read_identification(file: FileText[IdentificationModel]) -> IdentificationPl
     if evaluator is not None:  # it refuses names and options that it does not know
         function = file.guarded(("options",), lambda: evaluator.points(names, options))
         subject = [word, names, options, versions_digest()]
-        fitted: Computation = FunctionPoints(partial(_one_by_one, function), subject)
+        fitted: Computation = FunctionPoints(function, subject)
         start = tuple(evaluator.values(names))
     else:
         fitted, compared = _computations(case, space, data, targets)
@@ -205,10 +209,6 @@ def _computations(
     first = tuple(one for one in targets if one.station in fitted and one in measured)
     later = tuple(one for one in targets if one not in first)
     return Observed(case, space, first), Observed(case, space, later) if later else None
-
-
-def _one_by_one(function: Callable[[Sequence[float]], Numbers], points: Array) -> list[Numbers]:
-    return [function(row) for row in points.tolist()]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -14,7 +14,7 @@ from valvetrain.explore.least_squares import MET, ON_BOUND
 from valvetrain.explore.posterior import Datum
 from valvetrain.explore.results import value_text
 from valvetrain.explore.space import Varied
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import digits_text, joined
 
 #: What the data say of an unknown: its value, only a combination with others, little, or that it lies beyond its bound.
@@ -115,19 +115,19 @@ def _about(one: Predicted, **more: str) -> Hit:
     return Hit(fields={"name": data_name(one.datum), "off": off_text(one)} | more)
 
 
-def stopped(facts: IdentificationFacts) -> Iterator[Hit]:
+def stopped(facts: IdentificationFacts) -> Hits:
     """The search was stopped before its end."""
     if not facts.result.whole:
         yield Hit(fields={"count": str(facts.result.evaluations + facts.result.reused)})
 
 
-def refused(facts: IdentificationFacts) -> Iterator[Hit]:
+def refused(facts: IdentificationFacts) -> Hits:
     """The misfit is larger than in 99 of 100 cases with a correct model."""
     if facts.result.fit is not None and facts.result.fit.missed:
         yield _about(facts.data(True)[0])
 
 
-def undetermined(facts: IdentificationFacts) -> Iterator[Hit]:
+def undetermined(facts: IdentificationFacts) -> Hits:
     """Data that remove less than half of the variance of a prior, or show a combination of unknowns alone."""
     if vague := facts.those("tied", "open"):
         names = "any unknown" if len(vague) == len(facts.states) else few(vague)
@@ -135,13 +135,13 @@ def undetermined(facts: IdentificationFacts) -> Iterator[Hit]:
         yield Hit(fields={"names": names, "why": why, "first": vague[0]})
 
 
-def on_bound(facts: IdentificationFacts) -> Iterator[Hit]:
+def on_bound(facts: IdentificationFacts) -> Hits:
     """The likeliest value of an unknown lies on a bound of its prior."""
     if there := facts.those("bound"):
         yield Hit(fields={"names": few(there)})
 
 
-def branches(facts: IdentificationFacts) -> Iterator[Hit]:
+def branches(facts: IdentificationFacts) -> Hits:
     """The posterior has separate parts, between which it falls by a factor of seven or more."""
     every = facts.result.branches
     if len(every) > 1:
@@ -155,7 +155,7 @@ def branches(facts: IdentificationFacts) -> Iterator[Hit]:
         )
 
 
-def determined(facts: IdentificationFacts) -> Iterator[Hit]:
+def determined(facts: IdentificationFacts) -> Hits:
     """Every unknown is determined: the data remove half of the variance of its prior or more."""
     unknowns, used = facts.result.unknowns, facts.data(True)
     several, more = len(unknowns) > 1, len(used) > len(unknowns)
@@ -169,28 +169,28 @@ def determined(facts: IdentificationFacts) -> Iterator[Hit]:
     })  # fmt: skip
 
 
-def missed(facts: IdentificationFacts) -> Iterator[Hit]:
+def missed(facts: IdentificationFacts) -> Hits:
     """A fitted value is more than two of its scatters off."""
     for one in facts.data(True)[:1]:
         if abs(one.off) > MET:
             yield _about(one)
 
 
-def unlike(facts: IdentificationFacts) -> Iterator[Hit]:
+def unlike(facts: IdentificationFacts) -> Hits:
     """Values that were not fitted lie outside 2.5 to 97.5 % of what would be measured."""
     rest = facts.data(False)
     if odd := [one for one in rest if not ODD[0] <= one.percentile <= ODD[1]]:
         yield _about(odd[0], count=f"{len(odd)} of {len(rest)}")
 
 
-def as_many(facts: IdentificationFacts) -> Iterator[Hit]:
+def as_many(facts: IdentificationFacts) -> Hits:
     """There are no more fitted values than unknowns, so that almost any model meets them, and no others."""
     used, count = len(facts.data(True)), len(facts.states)
     if used <= count and not facts.data(False):
         yield Hit(fields={"used": str(used), "count": str(count)})
 
 
-def notes(facts: IdentificationFacts) -> Iterator[Hit]:
+def notes(facts: IdentificationFacts) -> Hits:
     """The draws of a linearised posterior disagree with it."""
     if facts.result.note:
         yield Hit(fields={"said": facts.result.note})

@@ -126,8 +126,6 @@ class Identified(Reported):
     50
     """
 
-    report_word = "points"
-
     method: str
     unknowns: tuple[Varied, ...]
     branches: tuple[Branch, ...]

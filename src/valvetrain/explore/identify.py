@@ -14,11 +14,15 @@ from valvetrain.arrays import Array
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.engine import Computation, Engine
-from valvetrain.explore.execution import Execution, Watch
-from valvetrain.explore.identification_file import IdentificationPlan
+from valvetrain.explore.identification_file import (
+    IdentificationModel,
+    IdentificationPlan,
+    read_identification,
+)
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.posterior import Evaluate, Numbers, Posterior
+from valvetrain.explore.requests import Execution, Watch
 from valvetrain.explore.solve import solve
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
@@ -30,8 +34,8 @@ from valvetrain.runs.workers import LOST, LOST_REMEDY
 #: Points of the priors that are tried until one can be computed; bytes of a stored point and
 #: of each of its numbers.
 TRIED, POINT_BYTES, NUMBER_BYTES = 40, 1000.0, 150.0
-#: Times a point is timed, for the first may wait for kernels; points that a computation of one's own gets at once, at most.
-ROUNDS, TOGETHER = 3, 1_000_000
+#: Times a point is timed, for the first may wait for kernels.
+ROUNDS = 3
 
 
 def numbers_by(engine: Engine, computation: Computation) -> Evaluate:
@@ -73,7 +77,7 @@ def run_identification(
     computations = (fitted, *filter(None, [compared]))
     with (
         on_cluster(execution.dask, execution.workers) as workers,
-        Engine(computations, workers, execution.output, fitted.together) as engine,
+        Engine(computations, workers, execution.output) as engine,
     ):
         posterior = Posterior(plan.unknowns, plan.data, numbers_by(engine, fitted))
         seconds = _seconds(fitted, possible_point(fitted, posterior, search.seed))
@@ -142,3 +146,6 @@ def _seconds(computation: Computation, values: Array) -> float:
             repeat=ROUNDS,
         )
     )
+
+
+STEPS = IdentificationModel, read_identification, run_identification

@@ -21,12 +21,12 @@ from valvetrain.explore.files import (
     VaryModel,
 )
 from valvetrain.explore.limit_speed import LimitFound, limit_of
-from valvetrain.explore.outputs import LimitSearch, Outcome, Run, Task, has_pair
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run, Task, missing_text
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 from valvetrain.quantities.request import PointRequest
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
+from valvetrain.solution.definition import definition_of, shown
 
 #: Order in which numbers are computed: of springs at rest, of runs, limit speeds.
 REST, RUNS, LIMIT = range(3)
@@ -201,8 +201,8 @@ def _with_answers(
             return Measured(values, limits, at + outcome.status.sentence(), outcome.status.code)
     lacking = [one for one in measures if not np.isfinite(values[one]) and not one.optional]
     if lacking:
-        name, pair = lacking[0].quantity, case is not None and has_pair(case, lacking[0].runs)
-        return Measured(values, limits, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
+        text = missing_text(lacking[0].quantity, case, lacking[0].runs)
+        return Measured(values, limits, text, INCOMPLETE)
     return Measured(values, limits)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.engine import Evaluation, Plan
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
     Constraint,
@@ -51,35 +51,17 @@ FULL = frozenset({FINEST, "solid"})
 Place = tuple[str | int, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class OptimumPlan:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OptimumPlan(Plan):
     """What a search does. ``rest_model``: spring model of static quantities, empty for the finite-element rod.
     ``confirmations``: another model that the best design is computed by -> the plan of that.
     """
 
-    title: str
-    description: str
-    evaluation: Evaluation
     objectives: tuple[Objective, ...]
     constraints: tuple[Constraint, ...]
     search: SearchModel
     rest_model: str = ""
     confirmations: Mapping[str, OptimumPlan] = field(default_factory=dict)
-
-    @property
-    def case(self) -> Case | None:
-        """The case, None of a function."""
-        return self.evaluation.case
-
-    @property
-    def varied(self) -> Space:
-        """The varied quantities."""
-        return self.evaluation.space
-
-    @property
-    def case_name(self) -> str:
-        """Name of the case, or of the function."""
-        return self.evaluation.name
 
     @property
     def measures(self) -> tuple[Measure, ...]:
@@ -120,19 +102,9 @@ class OptimumPlan:
 
     def shares(self, values: Array) -> Array | None:
         """The point (d,) of the unit cube of a design (d, SI); None outside it."""
-        shares = []
-        for one, value in zip(self.varied, values, strict=True):
-            levels = one.distribution
-            if isinstance(levels, Values):
-                inside = value in levels.values
-                share = (levels.values.index(value) + 0.5) / len(levels.values) if inside else 0.0
-            else:
-                inside = levels.low <= value <= levels.high
-                share = float(levels.share(levels.work(value))) if inside else 0.0
-            if not inside:
-                return None
-            shares.append(share)
-        return np.array(shares)
+        pairs = zip(self.varied, values.tolist(), strict=True)
+        shares = np.array([one.distribution.share_of(value) for one, value in pairs])
+        return shares if np.all(np.isfinite(shares)) else None
 
     def of_case(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with bounds that are shares of what the case has. Raises :class:`InputError`
@@ -177,7 +149,7 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
         text.guarded(("vary", place), lambda one=one: _in_order(one))
     if model.spring_sets:
         text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
-    plan = _Reader(text, case, space).plan()
+    plan = _plan(text, case, space)
     confirmations = {
         one: text.guarded(("confirm", place), lambda one=one: plan.by_another(one))
         for place, one in enumerate(model.confirm)
@@ -200,7 +172,7 @@ def plan_of_experiment(
     if outputs.engine_speeds is not None:
         tables["engine_speeds"] = list(outputs.engine_speeds)
     text = FileText(tables, "optimise", Path(), GoalsModel)
-    return with_finest(_Reader(text, experiment.case, experiment.space, outputs.function).plan())
+    return with_finest(_plan(text, experiment.case, experiment.space, outputs.function))
 
 
 def with_finest(plan: OptimumPlan) -> OptimumPlan:
@@ -241,74 +213,64 @@ def _in_order(one: Varied) -> Varied:
     return one
 
 
-class _Reader:
-    """Reads objectives and constraints from the tables of a ``text``."""
+def _plan(
+    text: FileText[Any],
+    case: Case | None,
+    space: Space,
+    function: Callable[..., Any] | None = None,
+) -> OptimumPlan:
+    """The plan of the objectives and constraints in the tables of a ``text``, without confirmations."""
+    model = text.model
 
-    def __init__(
-        self,
-        text: FileText[Any],
-        case: Case | None,
-        space: Space,
-        function: Callable[..., Any] | None = None,
-    ) -> None:
-        self.text, self.case, self.function = text, case, function
-        self.space = Space([_in_order(one) for one in space])
-
-    def plan(self) -> OptimumPlan:
-        """The plan, without confirmations."""
-        model = self.text.model
-        objectives = tuple(
-            Objective(
-                self.measure(("objective", place), one, one.direction == "minimise"),
-                one.direction == "maximise",
-            )
-            for place, one in enumerate(model.objective)
-        )
-        if len({one.measure for one in objectives}) < len(objectives):
-            reason = "the same objective is there twice; give it once"
-            raise self.text.located(("objective",), reason)
-        constraints = tuple(
-            self.constraint(("constraint", place), one, key)
-            for place, one in enumerate(model.constraint)
-            for key in ("at_most", "at_least")
-            if getattr(one, key) is not None
-        )
-        goals: list[Any] = [*objectives, *constraints]
-        outputs = Outputs([one.measure.quantity for one in goals], function=self.function)
-        plan = OptimumPlan(
-            model.title, model.description, Evaluation(self.case, self.space, outputs), objectives, constraints, model.search, model.rest_model,
-        )  # fmt: skip
-        return replace(plan, title=model.title or f"{plan.case_name}: {objectives[0].measure.label}")  # fmt: skip
-
-    def measure(self, path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:
+    def measure(path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:
         """The measure of a table: of a run, of springs at rest, a limit speed, or what is varied."""
-        text, limit, model = self.text, one.limit_speed, self.text.model
-        if self.case is None and limit is not None:
+        limit = one.limit_speed
+        if case is None and limit is not None:
             raise text.located(path, "a function has no limit speed; give a quantity")
-        if self.case is not None and one.engine_speeds is not None and is_at_rest(one.quantity):
+        if case is not None and one.engine_speeds is not None and is_at_rest(one.quantity):
             reason = (
                 f"'{one.quantity}' belongs to springs at rest, at no engine speed; leave it out"
             )
             raise text.located((*path, "engine_speeds"), reason)
         outputs = text.guarded((*path, "quantity"), lambda: Outputs(
             one.quantity or (), engine_speeds=one.engine_speeds or model.engine_speeds, spring_models=model.spring_models,
-            spring_set=model.spring_sets, limit_speeds=filter(None, [limit]), function=self.function,
+            spring_set=model.spring_sets, limit_speeds=filter(None, [limit]), function=function,
         ))  # fmt: skip
-        runs = text.guarded(path, lambda: outputs.runs(self.case, False))
+        runs = text.guarded(path, lambda: outputs.runs(case, False))
         name = one.quantity if limit is None else limit.quantity
-        label = name.replace("_", " ") if self.case is None else definition_of(name).label
+        label = name.replace("_", " ") if case is None else definition_of(name).label
         if limit is not None:
             label = f"speed up to which the {label} stays within its bound"
         return Measure(name, runs, one.label or label, largest_is_worst, one.over, limit)
 
-    def constraint(self, path: Place, one: ConstraintModel, key: str) -> Constraint:
+    def constraint(path: Place, one: ConstraintModel, key: str) -> Constraint:
         """The constraint of one bound of a table."""
         upper, raw = key == "at_most", getattr(one, key)
-        measure, share = self.measure(path, one, upper), share_of_case(raw)
+        bounded, share = measure(path, one, upper), share_of_case(raw)
         if share is not None:
-            return Constraint(measure, upper, np.nan, share)
-        due = definition_of(measure.quantity).dimension or "ratio"
-        if measure.limit is not None:
+            return Constraint(bounded, upper, np.nan, share)
+        due = definition_of(bounded.quantity).dimension or "ratio"
+        if bounded.limit is not None:
             due = "angular speed"
-        bound = self.text.guarded((*path, key), lambda: parse_quantity(raw, due))
-        return Constraint(measure, upper, bound, None, abs(bound) or 1.0)
+        bound = text.guarded((*path, key), lambda: parse_quantity(raw, due))
+        return Constraint(bounded, upper, bound, None, abs(bound) or 1.0)
+
+    objectives = tuple(
+        Objective(measure(("objective", place), one, one.direction == "minimise"), one.direction == "maximise")
+        for place, one in enumerate(model.objective)
+    )  # fmt: skip
+    if len({one.measure for one in objectives}) < len(objectives):
+        raise text.located(("objective",), "the same objective is there twice; give it once")
+    constraints = tuple(
+        constraint(("constraint", place), one, key)
+        for place, one in enumerate(model.constraint)
+        for key in ("at_most", "at_least")
+        if getattr(one, key) is not None
+    )
+    goals: list[Any] = [*objectives, *constraints]
+    outputs = Outputs([one.measure.quantity for one in goals], function=function)
+    evaluation = Evaluation(case, Space([_in_order(one) for one in space]), outputs)
+    return OptimumPlan(
+        evaluation=evaluation, title=model.title or f"{evaluation.name}: {objectives[0].measure.label}", description=model.description,
+        objectives=objectives, constraints=constraints, search=model.search, rest_model=model.rest_model,
+    )  # fmt: skip

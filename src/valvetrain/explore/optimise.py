@@ -17,11 +17,18 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
 from valvetrain.explore.evaluate import doubts
-from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.limit_speed import CLOSER
-from valvetrain.explore.measure import INCOMPLETE, RUNS, Measure, Measured, measure_designs
-from valvetrain.explore.objective import OptimumPlan
+from valvetrain.explore.measure import (
+    INCOMPLETE,
+    RUNS,
+    Measure,
+    Measured,
+    OptimumModel,
+    measure_designs,
+)
+from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Optimum
+from valvetrain.explore.requests import Execution, Watch
 from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
 from valvetrain.explore.study import refuse_outputs
 from valvetrain.runs.cluster import on_cluster
@@ -192,3 +199,6 @@ def _nominal(plan: OptimumPlan) -> Array:
         except InputError:
             values.append(np.nan)
     return np.array(values)
+
+
+STEPS = OptimumModel, read_optimum, run_search

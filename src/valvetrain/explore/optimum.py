@@ -74,8 +74,6 @@ class Optimum(Reported):
     True
     """
 
-    report_word = "points"
-
     plan: OptimumPlan
     trials: tuple[Trial, ...]
     computed: int = 0

@@ -13,7 +13,7 @@ from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum
 from valvetrain.explore.results import value_text
 from valvetrain.explore.search import Trial
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import (
     UNRESOLVED,
     Amount,
@@ -201,7 +201,6 @@ NAMED = 2
 CONFIRMED = 0.1
 #: Spring models of the whole wire.
 FULL = {"finite-element", "solid"}
-Hits = Iterator[Hit]
 
 
 def nothing(facts: SearchFacts) -> Hits:

@@ -13,7 +13,13 @@ from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest, is_at_rest
 from valvetrain.runs.cost import RunRequest
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
-from valvetrain.solution.definition import definition_of, is_defined, no_quantity
+from valvetrain.solution.definition import (
+    definition_of,
+    is_defined,
+    no_quantity,
+    not_given,
+    of_pair,
+)
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.own_spring import model_names
 from valvetrain.units import format_quantity, known_arguments, parse_quantity, si_speeds
@@ -268,6 +274,12 @@ def has_pair(case: Case, runs: Sequence[Run]) -> bool:
     springs = case.train.springs if case.train is not None else {}
     used = [springs.get(one[2], ()) if one[2] else next(iter(springs.values()), ()) for one in runs]
     return any(len(one) > 1 for one in used)
+
+
+def missing_text(name: str, case: Case | None, runs: Sequence[Run]) -> str:
+    """Why the ``runs`` of a case do not give a quantity."""
+    pair = case is not None and has_pair(case, runs)
+    return not_given(name, of_pair(name) if pair else ())
 
 
 def refuse_limit_name(name: str) -> None:

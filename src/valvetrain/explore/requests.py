@@ -5,15 +5,19 @@ its arguments in Python; and the functions that take them.
 from __future__ import annotations
 
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.explore.execution import Execution, Watch, silent
-from valvetrain.runs.request_fields import option, read_count, read_text
+from valvetrain.runs.cost import FEWER, Cost, Limits, cost_text, refuse_cost
+from valvetrain.runs.request_fields import dask_option, option, read_count, read_path, read_text
+from valvetrain.runs.requests import Limited, Parallel
 from valvetrain.runs.stopping import shows_progress
 
 if TYPE_CHECKING:
@@ -27,35 +31,76 @@ if TYPE_CHECKING:
     from valvetrain.runs.workers import Progress
 
 
+def silent(done: float, text: str) -> None:
+    """A report of progress that goes nowhere."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who watches: ``report`` is called with the share done and a text, ``announce`` with the estimated cost as a text and its
+    seconds before the start. ``raises``: how the limit of a request is raised.
+    """
+
+    report: Callable[[float, str], None] = silent
+    announce: Callable[[str, float], None] = lambda text, seconds: None
+    raises: str = "limit="
+
+    def admit(self, cost: Cost, limit: Limits, work: str, fewer: str = FEWER) -> None:
+        """Announce the ``work`` with its cost. Raises :class:`InputError` where that is beyond the limit."""
+        refuse_cost(cost, limit, self.raises, fewer)
+        self.announce(f"{work}, {cost_text(cost)}", cost.seconds)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Execution(Parallel, Limited):
+    """How points are computed: by which workers or cluster, where they are stored, and what they may cost."""
+
+    output: Path | None = option(
+        read_path,
+        "Folder of points and results; points that it holds are not computed again (default: runs/COMMAND/FILE).",
+        "--output",
+        "FOLDER",
+    )
+    dask: str = dask_option()
+
+
 #: The model of a file, what makes a plan of its text, and what computes the plan.
 Steps = tuple[type[Any], Callable[[Any], Any], Callable[..., Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class FileRequest(Execution, ABC):
+class FileRequest(Execution):
     """A request that a file makes."""
 
-    file: str
+    command: ClassVar[str]
 
-    @abstractmethod
+    file: str = option(
+        read_text,
+        "File (TOML): its case, what is varied, and what is asked of it.",
+        metavar="FILE",
+    )
+
+    @property
     def steps(self) -> Steps:
-        """The model of the file, what makes a plan of the text, and what computes the plan."""
+        """Those of the module of the command."""
+        steps: Steps = import_module(f"valvetrain.explore.{self.command}").STEPS
+        return steps
 
     @cached_property
     def text(self) -> FileText[Any]:
         """The file, read and checked."""
         from valvetrain.explore.files import FileText
 
-        return FileText.read(self.file, self.steps()[0])
+        return FileText.read(self.file, self.steps[0])
 
     @cached_property
     def plan(self) -> Any:
         """What the file plans."""
-        return self.steps()[1](self.text)
+        return self.steps[1](self.text)
 
     def compute(self, watch: Watch) -> Any:
         """The result of the plan."""
-        return self.steps()[2](self.plan, self, watch)
+        return self.steps[2](self.plan, self, watch)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,36 +109,12 @@ class Study(FileRequest):
 
     command = "study"
 
-    file: str = option(
-        read_text, "Study file (docs/studies.md): case, varied quantities, outputs.", metavar="FILE"
-    )
-
-    def steps(self) -> Steps:
-        """Those of a study."""
-        from valvetrain.explore.study import StudyModel, read_plan, run_plan
-
-        return StudyModel, read_plan, run_plan
-
 
 @dataclass(frozen=True, kw_only=True)
 class Optimise(FileRequest):
     """A search of the best design."""
 
     command = "optimise"
-
-    file: str = option(
-        read_text,
-        "Optimisation file (docs/optimisation.md): ranges, objectives, bounds.",
-        metavar="FILE",
-    )
-
-    def steps(self) -> Steps:
-        """Those of a search."""
-        from valvetrain.explore.measure import OptimumModel
-        from valvetrain.explore.objective import read_optimum
-        from valvetrain.explore.optimise import run_search
-
-        return OptimumModel, read_optimum, run_search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,11 +123,6 @@ class Identify(FileRequest):
 
     command = "identify"
 
-    file: str = option(
-        read_text,
-        "Identification file: case, quantities with priors, measurements.",
-        metavar="FILE",
-    )
     search: Search | None = option(
         lambda given, where: given, "Method and options of the search, instead of the file's."
     )
@@ -117,18 +133,13 @@ class Identify(FileRequest):
         partial(read_count, 0, 10**7), "Seed of all random numbers.", "--seed", "N"
     )
 
-    def steps(self) -> Steps:
-        """Those of an identification, by the method and the seed of the request."""
-        from valvetrain.explore.identification_file import IdentificationModel, read_identification
-        from valvetrain.explore.identify import run_identification
-
-        def read(text: FileText[Any]) -> Any:
-            plan = read_identification(text)
-            given = {"method": self.method, "seed": self.seed}
-            changes = {key: one for key, one in given.items() if one is not None}
-            return replace(plan, search=(self.search or plan.search).changed(**changes))
-
-        return IdentificationModel, read, run_identification
+    @cached_property
+    def plan(self) -> Any:
+        """What the file plans, by the method and the seed of the request."""
+        plan = super().plan
+        given = {"method": self.method, "seed": self.seed}
+        changes = {key: one for key, one in given.items() if one is not None}
+        return replace(plan, search=(self.search or plan.search).changed(**changes))
 
 
 @shows_progress("study")
@@ -279,12 +290,12 @@ def identify(
             "a computation is missing; give evaluate, or the path of an identification file"
         )
     from valvetrain.explore.identification_file import IdentificationPlan
-    from valvetrain.explore.identify import TOGETHER, run_identification
+    from valvetrain.explore.identify import run_identification
     from valvetrain.explore.observe import FunctionPoints
     from valvetrain.explore.space import Space
 
     space, data = Space(quantities), tuple(measurements)
-    points = FunctionPoints(evaluate, repr((space.varied, data)), TOGETHER)
+    points = FunctionPoints(lambda row: evaluate(np.array([row]))[0], repr((space.varied, data)))
     plan = IdentificationPlan(space, data, points)
     if search is not None:
         plan = replace(plan, search=search)

@@ -11,12 +11,9 @@ from valvetrain.explore.space import Space, Values, Varied
 from valvetrain.findings.words import Words, digits_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.status import PartialFailures
 from valvetrain.units import unit_factor
 from valvetrain.units.reader import reader_factor, reader_unit
-from valvetrain.views.results import answer_of, write_page
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.study_files import StudyFiles, files_of
 
 if TYPE_CHECKING:
     import pandas
@@ -58,6 +55,10 @@ class ExploreAnswer(ShownByRules):
     def files(self) -> Mapping[str, Write]:
         """The files besides the page by name."""
         return {}
+
+    def write(self, folder: Path) -> list[Path]:
+        """Write the files besides the page."""
+        return [write(folder / name) for name, write in self.files().items()]
 
 
 def fields_of(item: Any) -> Any:
@@ -134,27 +135,3 @@ def answer_json(answer: ExploreAnswer) -> dict[str, Any]:
     data = answer.data()  # first, for error bars decide some findings
     shown = replace(answer, words=Words(case=answer.words.case))
     return data | {"findings": [one.to_dict() for one in shown.findings]}
-
-
-def write_files(answer: ExploreAnswer, gaps: PartialFailures) -> list[Path]:
-    """Write files and page of an answer into its folder; what could not be written is in ``gaps``. The paths, the page last."""
-    assert answer.folder is not None
-    made = [
-        gaps.part(f"file '{name}'", None, write, answer.folder / name)
-        for name, write in answer.files().items()
-    ]
-    page = write_page(answer, answer.folder, gaps)
-    return [path for path in (*made, page) if path is not None]
-
-
-def answer_in(result: object, folder: Path) -> ExploreAnswer:
-    """The answer of a result whose files go into a folder."""
-    answer = answer_of(result)
-    assert isinstance(answer, ExploreAnswer)
-    return replace(answer, folder=folder)
-
-
-def report(result: object, folder: Path) -> StudyFiles:
-    """As :func:`write_files`. Raises :class:`RunFailedError` where a part could not be written."""
-    gaps = PartialFailures()
-    return files_of(folder, write_files(answer_in(result, folder), gaps), gaps.sentences)

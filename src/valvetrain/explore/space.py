@@ -173,6 +173,10 @@ class Prior:
             np.clip((ndtr((at - self.work_centre) / self.spread) - begin) / self.inside, 0.0, 1.0)
         )
 
+    def share_of(self, value: float) -> float:
+        """Probability of the prior below a value (SI), nan of one beyond the bounds."""
+        return float(self.share(self.work(value))) if self.low <= value <= self.high else math.nan
+
     def log_density(self, work: Array | float) -> Array:
         """Logarithm of the density over the working coordinate; minus infinity beyond the bounds."""
         low, high = self.work_bounds
@@ -304,6 +308,11 @@ class Values:
             (np.asarray(share, dtype=float) * len(self.values)).astype(int), len(self.values) - 1
         )
         return np.asarray(np.asarray(self.values)[index])
+
+    def share_of(self, value: float) -> float:
+        """The middle of the part of a value, nan of one that is not listed."""
+        here = value in self.values
+        return (self.values.index(value) + 0.5) / len(self.values) if here else math.nan
 
     def levels(self, count: int) -> tuple[float, ...]:
         """The values themselves."""

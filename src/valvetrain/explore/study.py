@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from pydantic import Field
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Engine, Evaluation, Interrupted
-from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -26,6 +25,7 @@ from valvetrain.explore.files import (
 )
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.outputs import Outcome, Outputs, Task
+from valvetrain.explore.requests import Execution, Watch, silent
 from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
@@ -146,17 +146,6 @@ INTERRUPTED = Status(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Estimate:
-    """Estimated cost of a study: its points, time and memory of all, seconds of each. The search for a
-    limit speed is one of the points.
-    """
-
-    points: int
-    cost: Cost
-    seconds_each: float
-
-
 @shows_progress("study")
 def run_experiment(
     experiment: Evaluation,
@@ -167,8 +156,8 @@ def run_experiment(
     **execution: Any,
 ) -> StudyTable:
     """The table of an experiment by a sampler; see the verbs of :class:`valvetrain.Experiment`."""
-    plan = StudyPlan(experiment, sampler, sampler.read_options(dict(options)))
-    plan = replace(plan, title=f"{plan.case_name}: {sampler.shown_name}")
+    title, read = f"{experiment.name}: {sampler.shown_name}", sampler.read_options(dict(options))
+    plan = StudyPlan(evaluation=experiment, title=title, sampler=sampler, options=read)
     return run_plan(plan, Execution.read(execution), Watch(progress or silent))
 
 
@@ -182,15 +171,15 @@ def run_plan(
     """
     begun = time.perf_counter()
     with on_cluster(execution.dask, execution.workers) as count:
-        estimate = estimate_study(plan, count)
-        watch.admit(estimate.cost, execution.limit, f"{estimate.points} points")
-        draws, experiment = plan.draws(), plan.experiment
+        draws, experiment = plan.draws(), plan.evaluation
+        cost, total = estimate_study(plan, count), len(draws) * len(experiment.tasks)
+        watch.admit(cost, execution.limit, f"{total} points")
 
         def finished() -> None:
-            total, reached = max(estimate.points, 1), engine.store.computed + engine.read
+            reached = engine.store.computed + engine.read
             watch.report(min(1.0, reached / total), f"{reached} of {total} points")
 
-        together = 1 if estimate.seconds_each > SHORT else TOGETHER
+        together = 1 if cost.seconds * max(1, count) > SHORT * total else TOGETHER
         with Engine((experiment,), count, execution.output, together, finished) as engine:
             stopped = False
             try:
@@ -210,7 +199,7 @@ def run_plan(
 
 
 def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
-    experiment, statuses = plan.experiment, list[Status]()
+    experiment, statuses = plan.evaluation, list[Status]()
     values = np.full((len(draws) * len(plan.runs), len(plan.outputs)), np.nan)
     for row, run in itertools.product(draws, plan.runs):
         status = COMPLETED
@@ -245,18 +234,17 @@ def analysed(table: StudyTable) -> StudyTable:
     return replace(table, sensitivities=tuple(filter(None, indices)))
 
 
-def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
+def estimate_study(plan: StudyPlan, workers: int) -> Cost:
     """Estimated cost of a plan, from its request alone; of a limit speed with its whole grid and
     the speeds between.
     """
-    draws, experiment = len(plan.draws()), plan.experiment
+    draws, experiment = len(plan.draws()), plan.evaluation
     refuse_limits(experiment)
     refuse_outputs(experiment.case, experiment.tasks)
-    seconds = [seconds_of(experiment, task) for task in experiment.tasks]
-    points, numbers = draws * len(seconds), len(plan.varied) + len(plan.outputs)
+    seconds = sum(seconds_of(experiment, task) for task in experiment.tasks)
+    points, numbers = draws * len(experiment.tasks), len(plan.varied) + len(plan.outputs)
     memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
-    cost = Cost(draws * sum(seconds) / max(1, workers), memory)
-    return Estimate(points, cost, sum(seconds) / len(seconds))
+    return Cost(draws * seconds / max(1, workers), memory)
 
 
 def seconds_of(experiment: Evaluation, task: Task) -> float:
@@ -334,7 +322,10 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
         some = [one for one in tasks if (one.limit is not None) == limits]
         text.guarded((key,), lambda some=some: refuse_outputs(case, some))
     title = model.title or f"{case.name}: {spec.shown_name}"
-    plan = StudyPlan(experiment, spec, options, title, model.description)
+    plan = StudyPlan(evaluation=experiment, title=title, description=model.description, sampler=spec, options=options)  # fmt: skip
     if spec.word == "posterior":
         text.guarded(("points",), plan.draws)
     return plan
+
+
+STEPS = StudyModel, read_plan, run_plan

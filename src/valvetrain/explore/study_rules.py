@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 
 import numpy as np
 
 from valvetrain.explore.evaluate import MAX_POINTS
 from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts, put_in
-from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.definition import label_of
 
@@ -29,14 +28,14 @@ def per_cent(share: float) -> str:
     return f"{digits_text(100 * share, 0, 2)} %" if share >= 1e-3 else "less than 0.1 %"
 
 
-def nothing(facts: StudyFacts) -> Iterator[Hit]:
+def nothing(facts: StudyFacts) -> Hits:
     """No point completed, or none has any output."""
     if not facts.outputs:
         told = (*facts.table.failures[:1], *facts.table.not_given[:1], "")
         yield Hit(fields={"told": told[0].rstrip(".")})
 
 
-def failed(facts: StudyFacts) -> Iterator[Hit]:
+def failed(facts: StudyFacts) -> Hits:
     """Points that failed, by the most frequent status."""
     lost = [one for one in facts.table.statuses if not one.completed]
     if lost:
@@ -46,12 +45,12 @@ def failed(facts: StudyFacts) -> Iterator[Hit]:
         yield Hit(fields={"share": share, "code": code, "told": first})
 
 
-def lacking(facts: StudyFacts) -> Iterator[Hit]:
+def lacking(facts: StudyFacts) -> Hits:
     """An output that no completed point has."""
     yield from (Hit(fields={"told": one.rstrip(".")}) for one in facts.table.not_given)
 
 
-def doubtful(facts: StudyFacts) -> Iterator[Hit]:
+def doubtful(facts: StudyFacts) -> Hits:
     """Points with values that no spring or valve has."""
     found = facts.table.doubts
     for told in list(found.values())[:1]:
@@ -59,7 +58,7 @@ def doubtful(facts: StudyFacts) -> Iterator[Hit]:
         yield Hit(fields={"share": share, "told": told})
 
 
-def at_an_end(facts: StudyFacts) -> Iterator[Hit]:
+def at_an_end(facts: StudyFacts) -> Hits:
     """Limit speeds that are an end of the speeds searched."""
     for name, speeds in facts.limits.items():
         limits = facts.column(name)[np.isfinite(facts.column(name))]
@@ -87,7 +86,7 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     }  # fmt: skip
 
 
-def from_to(facts: StudyFacts) -> Iterator[Hit]:
+def from_to(facts: StudyFacts) -> Hits:
     """Chosen points whose output has no better side, or that differ in engine speed, which is no choice."""
     if facts.ends:
         name = facts.outputs[0]
@@ -97,7 +96,7 @@ def from_to(facts: StudyFacts) -> Iterator[Hit]:
             yield Hit(facts.amount(name, values[high]), fields=_chosen(facts, name, high, low))
 
 
-def flat(facts: StudyFacts) -> Iterator[Hit]:
+def flat(facts: StudyFacts) -> Hits:
     """A grid along one quantity whose output stays near its best over a wide part and then leaves it."""
     if not facts.ends or facts.table.plan.sampler.word != "grid" or len(facts.along) != 1:
         return
@@ -124,7 +123,7 @@ def flat(facts: StudyFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def best_point(facts: StudyFacts) -> Iterator[Hit]:
+def best_point(facts: StudyFacts) -> Hits:
     """The best of the chosen points against the first of a list, the case, or the worst."""
     if facts.ends:
         name, (best, *others) = facts.outputs[0], facts.ends.values()
@@ -138,7 +137,7 @@ def best_point(facts: StudyFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def price(facts: StudyFacts) -> Iterator[Hit]:
+def price(facts: StudyFacts) -> Hits:
     """Another output with a better side that is worse at the best point than at the one that it is compared with."""
     if "best" not in facts.ends:
         return
@@ -170,7 +169,7 @@ def at_end_of_range(facts: StudyFacts, best: int) -> str:
     return ""
 
 
-def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
+def wide_bar(facts: StudyFacts) -> Hits:
     """The error bar of the output is as large as its change between the points."""
     if facts.within_bar:
         name = facts.outputs[0]
@@ -180,7 +179,7 @@ def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
 # -- draws -----------------------------------------------------------------------------------------
 
 
-def still(facts: StudyFacts) -> Iterator[Hit]:
+def still(facts: StudyFacts) -> Hits:
     """Draws, or several chosen points, over which the output does not change."""
     for name in facts.outputs[:1]:
         values = facts.judged(name) if facts.chosen else facts.finite(name, facts.run)
@@ -189,7 +188,7 @@ def still(facts: StudyFacts) -> Iterator[Hit]:
             yield Hit(facts.amount(name, np.median(values)), fields={"name": label_of(name)})
 
 
-def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
+def moves(facts: StudyFacts, sure: bool = True) -> Hits:
     """The quantity that moves the output of draws most."""
     if not facts.outputs or facts.chosen:
         return
@@ -213,7 +212,7 @@ def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
     })  # fmt: skip
 
 
-def too_few(facts: StudyFacts) -> Iterator[Hit]:
+def too_few(facts: StudyFacts) -> Hits:
     """Draws too few to say which quantity moves the output most."""
     return moves(facts, False)
 

@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.engine import Plan
 from valvetrain.explore.evaluate import doubts
-from valvetrain.explore.outputs import Run, has_pair
+from valvetrain.explore.outputs import Run, missing_text
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
-from valvetrain.explore.space import Space
-from valvetrain.parameters.case import Case
-from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
+from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.display import Reported, frame_of, verdict_first
 from valvetrain.solution.status import Status
 
@@ -33,40 +31,22 @@ if TYPE_CHECKING:
 MAX_BARRED = 4
 
 
-@dataclass(frozen=True, eq=False)
-class StudyPlan:
-    """Every draw of the ``sampler`` over the space of an ``experiment``."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StudyPlan(Plan):
+    """Every draw of the ``sampler``."""
 
-    experiment: Evaluation
     sampler: SamplerSpec
     options: SamplerOptions
-    title: str = ""
-    description: str = ""
-
-    @property
-    def case(self) -> Case | None:
-        """The case, None of a function."""
-        return self.experiment.case
-
-    @property
-    def case_name(self) -> str:
-        """Name of the case, or of the function."""
-        return self.experiment.name
-
-    @property
-    def varied(self) -> Space:
-        """The varied quantities."""
-        return self.experiment.space
 
     @property
     def runs(self) -> tuple[Run, ...]:
         """Runs of every draw."""
-        return self.experiment.runs
+        return self.evaluation.runs
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs: quantities of the runs, then limit speeds."""
-        outputs = self.experiment.outputs
+        outputs = self.evaluation.outputs
         return (*outputs.quantities, *(one.name for one in outputs.limit_speeds))
 
     def draws(self) -> Array:
@@ -98,8 +78,6 @@ class StudyTable(Reported):
     >>> isinstance(table, StudyTable), len(table)
     (True, 3)
     """
-
-    report_word = "points"
 
     plan: StudyPlan
     inputs: Array
@@ -133,7 +111,7 @@ class StudyTable(Reported):
         rows = [row for row in dict.fromkeys((0, *least)) if len(self) and self.completed[row]]
         found = {}
         for row in rows[:MAX_BARRED]:
-            bars = self.plan.experiment.error_bars(self.inputs[row].tolist(), self.runs[row])
+            bars = self.plan.evaluation.error_bars(self.inputs[row].tolist(), self.runs[row])
             found[row] = {one.quantity: one for one in bars if one.quantity in self.outputs}
         return found
 
@@ -160,8 +138,7 @@ class StudyTable(Reported):
             for name in self.outputs
             if not np.isfinite(self.column(name)[self.completed]).any()
         ]
-        pair = self.plan.case is not None and has_pair(self.plan.case, self.plan.runs)
-        texts = [not_given(name, of_pair(name) if pair else ()) for name in gone]
+        texts = [missing_text(name, self.plan.case, self.plan.runs) for name in gone]
         return tuple(f"{text[0].upper()}{text[1:]}." for text in texts)
 
     def row_label(self, row: int) -> str:
@@ -197,7 +174,7 @@ class StudyTable(Reported):
         axes = [list(dict.fromkeys(column)) for column in zip(*self.plan.runs, strict=True)]
         shape = (-1, *map(len, axes))
         dims, still = ("point", "speed", "model", "spring_set"), ("point", "model", "spring_set")
-        limits = [one.name for one in self.plan.experiment.outputs.limit_speeds]
+        limits = [one.name for one in self.plan.evaluation.outputs.limit_speeds]
         data: dict[str, Any] = {}
         for name, column in zip(self.outputs, self.values.T, strict=True):
             numbers = column.reshape(shape)

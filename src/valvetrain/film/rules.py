@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +11,7 @@ from valvetrain.film.cycles import TURN
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import BAND, SurgeLine
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text
 
 #: Share of the frames from which a coil counts as lost, and frames per cycle of the surge that are too few.
@@ -89,14 +88,14 @@ def rpm(cam_speed: float) -> str:
     return f"{digits_text(cam_speed * 60 / TURN, 0, 5)} rpm"
 
 
-def lost(facts: FilmFacts) -> Iterator[Hit]:
+def lost(facts: FilmFacts) -> Hits:
     """A coil is not followed in a tenth of the frames or more."""
     for coil, share in enumerate(np.mean(np.isnan(facts.motion.places), axis=0), 1):
         if share > LOST:
             yield Hit(fields={"coil": f"{coil}", "share": f"{100 * share:.0f} %"}, severity=share)
 
 
-def mirrored(facts: FilmFacts, strongest: bool = True) -> Iterator[Hit]:
+def mirrored(facts: FilmFacts, strongest: bool = True) -> Hits:
     """Fewer than 2.5 frames show a cycle of the strongest surge line."""
     rate, largest = facts.motion.seen.frame_rate, max((line.amplitude for line in facts.lines), default=0.0)  # fmt: skip
     for line in facts.lines:
@@ -105,12 +104,12 @@ def mirrored(facts: FilmFacts, strongest: bool = True) -> Iterator[Hit]:
             yield Hit(Amount("surge_frequency", line.natural_frequency), fields={"other": other})
 
 
-def also_mirrored(facts: FilmFacts) -> Iterator[Hit]:
+def also_mirrored(facts: FilmFacts) -> Hits:
     """Fewer than 2.5 frames show a cycle of a weaker surge line."""
     return mirrored(facts, strongest=False)
 
 
-def apart(facts: FilmFacts) -> Iterator[Hit]:
+def apart(facts: FilmFacts) -> Hits:
     """How far the compared run is from each moving coil (root mean square over the turn), in shares of its peak."""
     model, first = facts.model, facts.lines[0] if facts.lines else None
     if model is not None:
@@ -122,12 +121,12 @@ def apart(facts: FilmFacts) -> Iterator[Hit]:
             }, severity=float(model.apart[coil] / model.peaks[coil]))  # fmt: skip
 
 
-def far(facts: FilmFacts) -> Iterator[Hit]:
+def far(facts: FilmFacts) -> Hits:
     """A compared run is further from a moving coil than a tenth of its peak (root mean square over the turn)."""
     return (hit for hit in apart(facts) if hit.severity > FOLLOWS)
 
 
-def moves(facts: FilmFacts) -> Iterator[Hit]:
+def moves(facts: FilmFacts) -> Hits:
     """The film of a turning cam: the coil with the largest peak."""
     motion, first = facts.motion, facts.lines[0] if facts.lines else None
     for top in motion.peaks:
@@ -137,19 +136,19 @@ def moves(facts: FilmFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def rings(facts: FilmFacts) -> Iterator[Hit]:
+def rings(facts: FilmFacts) -> Hits:
     """The film of a free decay: its lowest surge line."""
     for line in facts.lines[:1] if facts.motion.phase is None else ():
         yield Hit(Amount("surge_frequency", line.natural_frequency, BAND * line.frequency_spread), fields={"ratio": ratio(line)})  # fmt: skip
 
 
-def no_surge(facts: FilmFacts) -> Iterator[Hit]:
+def no_surge(facts: FilmFacts) -> Hits:
     """No surge line is found with the valve closed or in the decay."""
     if not facts.lines:
         yield Hit()
 
 
-def disagrees(facts: FilmFacts) -> Iterator[Hit]:
+def disagrees(facts: FilmFacts) -> Hits:
     """The speed that was given is not the one that marker or lift show."""
     phase = facts.motion.phase
     if phase is not None and phase.given_speed:
@@ -158,7 +157,7 @@ def disagrees(facts: FilmFacts) -> Iterator[Hit]:
             yield Hit(fields={"by": phase.by, "speed": rpm(phase.cam_speed), "given": rpm(phase.given_speed)})  # fmt: skip
 
 
-def few_turns(facts: FilmFacts) -> Iterator[Hit]:
+def few_turns(facts: FilmFacts) -> Hits:
     """The film shows fewer than two cam revolutions."""
     phase = facts.motion.phase
     turns = math.inf if phase is None else float(np.ptp(phase.cam_angle)) / TURN
@@ -167,13 +166,13 @@ def few_turns(facts: FilmFacts) -> Iterator[Hit]:
         yield Hit(fields={"turns": digits_text(turns, 0, 3), "unseen": unseen})
 
 
-def no_zero(facts: FilmFacts) -> Iterator[Hit]:
+def no_zero(facts: FilmFacts) -> Hits:
     """Nothing tells where the cam angle is zero."""
     if facts.motion.phase is not None and facts.motion.phase.zero_by == "nobody":
         yield Hit()
 
 
-def cut(facts: FilmFacts) -> Iterator[Hit]:
+def cut(facts: FilmFacts) -> Hits:
     """The file claims more frames than it holds."""
     seen = facts.motion.seen
     if seen.missing:

@@ -57,6 +57,10 @@ class Hit:
         return self.amount.value if self.amount else 0.0
 
 
+#: What a rule gives: each place where it holds.
+Hits = Iterator[Hit]
+
+
 class Subject(Protocol):
     """What the engine asks of anything that rules judge: a study, a case. What is inherited suits a result without runs."""
 
@@ -297,7 +301,7 @@ def below(name: str, limit: float | str, springs: bool = False) -> Condition:
 
 
 def _threshold(name: str, limit: float | str, springs: bool, sign: int) -> Condition:
-    def hits(facts: Facts) -> Iterator[Hit]:
+    def hits(facts: Facts) -> Hits:
         found: list[Hit] = []
         for prefix in SPRINGS if springs else ("",):
             for amount, run in facts.amounts(prefix + name):
@@ -317,7 +321,7 @@ def _threshold(name: str, limit: float | str, springs: bool, sign: int) -> Condi
 def per_run(function: Callable[[Facts, Solution], Hit | None]) -> Condition:
     """A condition from a function of one run, which gives None where it does not hold."""
 
-    def hits(facts: Facts) -> Iterator[Hit]:
+    def hits(facts: Facts) -> Hits:
         return (hit for run in facts.runs if (hit := function(facts, run)) is not None)
 
     hits.__doc__ = function.__doc__

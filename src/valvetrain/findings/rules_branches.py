@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import joined, speed_text
 from valvetrain.solution.branches import Branches
 from valvetrain.solution.critical import SpeedBracket
@@ -32,10 +32,10 @@ def spans_text(spans: Sequence[SpeedBracket]) -> str:
     return joined([*texts, *(["others"] if len(spans) > NAMED else [])])
 
 
-def moves(*motions: str) -> Callable[[BranchFacts], Iterator[Hit]]:
+def moves(*motions: str) -> Callable[[BranchFacts], Hits]:
     """A condition on motions of these kinds: the speeds at which each is seen."""
 
-    def hits(facts: BranchFacts) -> Iterator[Hit]:
+    def hits(facts: BranchFacts) -> Hits:
         for motion in motions:
             spans = facts.branches.ranges(motion)
             if spans:
@@ -45,19 +45,19 @@ def moves(*motions: str) -> Callable[[BranchFacts], Iterator[Hit]]:
     return hits
 
 
-def two_motions(facts: BranchFacts) -> Iterator[Hit]:
+def two_motions(facts: BranchFacts) -> Hits:
     """Rising and falling speed show different motions."""
     if spans := facts.branches.hysteresis:
         yield Hit(fields={"spans": spans_text(spans)})
 
 
-def simple(facts: BranchFacts) -> Iterator[Hit]:
+def simple(facts: BranchFacts) -> Hits:
     """The motion repeats with every revolution at all speeds."""
     if all(one.motion == "period 1" for one in facts.branches.points):
         yield Hit()
 
 
-def cut(facts: BranchFacts) -> Iterator[Hit]:
+def cut(facts: BranchFacts) -> Hits:
     """The march took all the revolutions that it may."""
     if not facts.branches.complete:
         yield Hit(fields={"count": str(facts.branches.revolutions)})

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import SPRINGS, Hit, Rule, Subject
+from valvetrain.findings.engine import SPRINGS, Hit, Hits, Rule, Subject
 from valvetrain.findings.rules_source import LASH, RECUT
 from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.words import Amount, speed_text
@@ -75,14 +75,14 @@ class CaseFacts(Subject):
         return Amount(NEEDED[1], needed - have) if needed > have else None
 
 
-def high_lash(facts: CaseFacts) -> Iterator[Hit]:
+def high_lash(facts: CaseFacts) -> Hits:
     """The lash takes more of the lobe than its ramp lifts."""
     lash, ramp = lash_lift(facts.gear), facts.values.get("cam_ramp_lift", 0.0)
     if "cam_closing_ramp_velocity" in facts.values and lash > ramp * (1 + 1e-9) > 0:
         yield Hit(Amount("cam_ramp_lift", lash), None, ramp)
 
 
-def small_lash(facts: CaseFacts) -> Iterator[Hit]:
+def small_lash(facts: CaseFacts) -> Hits:
     """The train has a lash of at most a tenth of a millimetre, which a hot valve or block takes up."""
     lash = 0.0 if facts.parameters.train is None else facts.parameters.train.lash
     if 0 < lash <= SMALL_LASH:
@@ -98,7 +98,7 @@ def _face(facts: CaseFacts) -> tuple[float, float] | None:
     return away, math.nan if given is None else given / 2
 
 
-def off_face(facts: CaseFacts) -> Iterator[Hit]:
+def off_face(facts: CaseFacts) -> Hits:
     """The contact of the cam runs off the follower's face."""
     found = _face(facts)
     if found is not None and found[0] > found[1]:
@@ -106,14 +106,14 @@ def off_face(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit(Amount("cam_contact_face_radius", found[0] - found[1]), fields={"needed": needed})
 
 
-def face_needed(facts: CaseFacts) -> Iterator[Hit]:
+def face_needed(facts: CaseFacts) -> Hits:
     """The case states no face diameter of its follower."""
     found = _face(facts)
     if found is not None and math.isnan(found[1]):
         yield Hit(Amount("cam_contact_face_radius", 2 * found[0]))
 
 
-def rod_length(facts: CaseFacts) -> Iterator[Hit]:
+def rod_length(facts: CaseFacts) -> Hits:
     """The length of the pushrod is not that between its balls."""
     train = facts.parameters.train
     rod = None if train is None else train.pushrod
@@ -127,7 +127,7 @@ def rod_length(facts: CaseFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def odd_tube(facts: CaseFacts) -> Iterator[Hit]:
+def odd_tube(facts: CaseFacts) -> Hits:
     """A pushrod stiffer than a tube of its mass and length, E m / (density L2) whatever its diameters, or less than half as
     stiff, as if more than the tube gave way.
     """
@@ -140,7 +140,7 @@ def odd_tube(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit(Amount("installed_rate", rod.stiffness), None, tube)
 
 
-def short(facts: CaseFacts) -> Iterator[Hit]:
+def short(facts: CaseFacts) -> Hits:
     """The springs leave less than a fifth above the inertia force at the highest speed in use."""
     if facts.short:
         words = dict(zip(("closed", "full", "rate"), map(facts.amount, NEEDED), strict=True))
@@ -150,7 +150,7 @@ def short(facts: CaseFacts) -> Iterator[Hit]:
         )
 
 
-def ready(facts: CaseFacts) -> Iterator[Hit]:
+def ready(facts: CaseFacts) -> Hits:
     """Everything that a run builds could be built, and nothing is in doubt."""
     if facts.runs:
         moves = facts.parameters.lift_law is not None
@@ -162,13 +162,13 @@ def ready(facts: CaseFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def law_alone(facts: CaseFacts) -> Iterator[Hit]:
+def law_alone(facts: CaseFacts) -> Hits:
     """A lift law without a spring or a train."""
     if not facts.runs:
         yield Hit(fields={"kind": facts.parameters.lift_law.kind if facts.parameters.lift_law else ""})  # fmt: skip
 
 
-def unchecked(facts: CaseFacts) -> Iterator[Hit]:
+def unchecked(facts: CaseFacts) -> Hits:
     """A spring in use of which no solid height is known."""
     if not math.isfinite(facts.lift) or not facts.runs:
         return
@@ -178,13 +178,13 @@ def unchecked(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit(fields={"spring": other[known[0]] if known else "the spring"})
 
 
-def recut(facts: CaseFacts) -> Iterator[Hit]:
+def recut(facts: CaseFacts) -> Hits:
     """The lash by which a cam is cut was changed, and with it the cam."""
     if LASH in facts.parameters.changed:
         yield Hit()
 
 
-def other_height(facts: CaseFacts) -> Iterator[Hit]:
+def other_height(facts: CaseFacts) -> Hits:
     """A stated solid height is more than 1 % off that of the wire."""
     for one in SPRINGS:
         computed = facts.amount(f"{one}computed_solid_height")

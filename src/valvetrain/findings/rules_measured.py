@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
-from valvetrain.findings.engine import Condition, Hit, Rule
+from valvetrain.findings.engine import Condition, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import FLOAT
 from valvetrain.findings.words import RPM, Amount, about
@@ -25,7 +24,7 @@ def limit_of(facts: Facts, name: str) -> float:
 def compared(name: str, same: bool) -> Condition:
     """A condition on a measured quantity: test and model pass its limit between the same points, or neither does."""
 
-    def hits(facts: Facts) -> Iterator[Hit]:
+    def hits(facts: Facts) -> Hits:
         test, runs = facts.study.measured, facts.of_label(facts.first_label)
         if test is None or name not in test.values or not runs:
             return

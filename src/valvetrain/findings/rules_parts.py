@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Fields, Hit, Rule, Subject
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import about, digits_text, speed_text
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.part_ranking import PartChange, PartRanking
@@ -43,7 +42,7 @@ def reached_text(engine_speed: float, ranking: PartRanking) -> str:
     return about(engine_speed)
 
 
-def _best(facts: PartFacts, reaches: bool) -> Iterator[Hit]:
+def _best(facts: PartFacts, reaches: bool) -> Hits:
     ranking, best = facts.ranking, facts.ranking.best
     if best is None or best.sign <= 0:
         return
@@ -61,17 +60,17 @@ def _best(facts: PartFacts, reaches: bool) -> Iterator[Hit]:
         yield Hit(fields=fields)
 
 
-def enough(facts: PartFacts) -> Iterator[Hit]:
+def enough(facts: PartFacts) -> Hits:
     """The part that gains most reaches the red line, or none is stated."""
     return _best(facts, reaches=True)
 
 
-def not_enough(facts: PartFacts) -> Iterator[Hit]:
+def not_enough(facts: PartFacts) -> Hits:
     """The part that gains most leaves control short of the red line."""
     return _best(facts, reaches=False)
 
 
-def no_gain(facts: PartFacts) -> Iterator[Hit]:
+def no_gain(facts: PartFacts) -> Hits:
     """The whole range of no gain is above zero."""
     best = facts.ranking.best
     if best is not None and best.sign <= 0:
@@ -81,7 +80,7 @@ def no_gain(facts: PartFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def held(facts: PartFacts) -> Iterator[Hit]:
+def held(facts: PartFacts) -> Hits:
     """The train as it is is controlled at every speed searched."""
     first, last = facts.ranking.first_engine_speed, facts.ranking.last_engine_speed
     if facts.ranking.engine_speed > last:
@@ -89,13 +88,13 @@ def held(facts: PartFacts) -> Iterator[Hit]:
         yield Hit(fields={"speed": speed_text(last), "beyond": beyond})
 
 
-def never_held(facts: PartFacts) -> Iterator[Hit]:
+def never_held(facts: PartFacts) -> Hits:
     """The train as it is is not controlled at the lowest speed searched."""
     if facts.ranking.engine_speed <= 0:
         yield Hit(fields={"speed": speed_text(facts.ranking.first_engine_speed)})
 
 
-def unknown(facts: PartFacts) -> Iterator[Hit]:
+def unknown(facts: PartFacts) -> Hits:
     """Damping, which nobody knows, moves control by more than the best part does."""
     best = facts.ranking.best
     for one in facts.ranking.changes:
@@ -104,7 +103,7 @@ def unknown(facts: PartFacts) -> Iterator[Hit]:
             yield Hit(fields=fields, severity=abs(one.gain))
 
 
-def assumed_retainer(facts: PartFacts) -> Iterator[Hit]:
+def assumed_retainer(facts: PartFacts) -> Hits:
     """The mass of the retainer is part of that of the valve, and its share is assumed."""
     if any(one.part == "titanium retainer" for one in facts.ranking.changes):
         yield Hit()

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, speed_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of
@@ -58,20 +57,20 @@ def place_of(row: Uncertainty) -> str:
     return ", ".join(filter(None, (speed, row.label)))
 
 
-def failed(facts: RefineFacts) -> Iterator[Hit]:
+def failed(facts: RefineFacts) -> Hits:
     """Runs of the refinement that failed or were not finished."""
     for one in facts.study.failures[:1]:
         more = len(facts.study.failures) - 1
         yield Hit(fields={"said": one, "more": f"{more} more" if more else ""})
 
 
-def without(facts: RefineFacts) -> Iterator[Hit]:
+def without(facts: RefineFacts) -> Hits:
     """No number has an error bar."""
     if not facts.rows:
         yield Hit()
 
 
-def _rough(facts: RefineFacts, low: float, high: float) -> Iterator[Hit]:
+def _rough(facts: RefineFacts, low: float, high: float) -> Hits:
     """Numbers whose error bar is a share of them between two bounds."""
     rows = [row for row in facts.rows if low <= share_of(row) < high]
     if rows:
@@ -82,17 +81,17 @@ def _rough(facts: RefineFacts, low: float, high: float) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def unresolved(facts: RefineFacts) -> Iterator[Hit]:
+def unresolved(facts: RefineFacts) -> Hits:
     """Numbers whose error bar is half of them or more."""
     return _rough(facts, UNRESOLVED, math.inf)
 
 
-def rough(facts: RefineFacts) -> Iterator[Hit]:
+def rough(facts: RefineFacts) -> Hits:
     """Numbers whose error bar is between a tenth and half of them."""
     return _rough(facts, RESOLVED, UNRESOLVED)
 
 
-def _resolved(facts: RefineFacts, moves: bool) -> Iterator[Hit]:
+def _resolved(facts: RefineFacts, moves: bool) -> Hits:
     moved = _moved(facts)
     if facts.rows and bool(moved) is moves:
         row = max(facts.rows, key=share_of)
@@ -103,12 +102,12 @@ def _resolved(facts: RefineFacts, moves: bool) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def resolved(facts: RefineFacts) -> Iterator[Hit]:
+def resolved(facts: RefineFacts) -> Hits:
     """The largest error bar of a refinement in which neither meshes nor contact constants move a number by a tenth."""
     return _resolved(facts, moves=False)
 
 
-def on_constants(facts: RefineFacts) -> Iterator[Hit]:
+def on_constants(facts: RefineFacts) -> Hits:
     """Contact constants move a number by more than a tenth, which meshes do not."""
     return _resolved(facts, moves=True)
 
@@ -126,7 +125,7 @@ def _moved(facts: RefineFacts) -> dict[str, str]:
     return {"moved": f"{label_of(row.quantity)} by {digits_text(100 * most, 0, 2)} %"}
 
 
-def constants(facts: RefineFacts) -> Iterator[Hit]:
+def constants(facts: RefineFacts) -> Hits:
     """A number that moves by more than a twentieth over the contact constants."""
     for row in facts.rows:
         reach = row.range

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
@@ -28,21 +28,21 @@ OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
 # -- force over compression ------------------------------------------------------------------------
 
 
-def near(facts: Facts) -> Iterator[Hit]:
+def near(facts: Facts) -> Hits:
     """Less than a millimetre is left to coil bind at the largest lift."""
     for one in states_of(facts.study):
         if one.left is not None and 0 <= one.left.value < NEAR:
             yield Hit(one.left, None, NEAR, {"spring": one.name}, -one.left.value)
 
 
-def unknown_solid(facts: Facts) -> Iterator[Hit]:
+def unknown_solid(facts: Facts) -> Hits:
     """A spring states no height at which it is solid."""
     for one in states_of(facts.study):
         if math.isfinite(one.lift) and not math.isfinite(one.solid):
             yield Hit(fields={"spring": one.one.spring})
 
 
-def other_height(facts: Facts) -> Iterator[Hit]:
+def other_height(facts: Facts) -> Hits:
     """A stated solid height is more than 1 % off that of the wire."""
     for one in states_of(facts.study):
         if "computed_solid_height" in one.values:
@@ -53,7 +53,7 @@ def other_height(facts: Facts) -> Iterator[Hit]:
             yield Hit(Amount("solid_height", one.values["computed_solid_height"]), fields=fields)
 
 
-def fails(facts: Facts) -> Iterator[Hit]:
+def fails(facts: Facts) -> Hits:
     """A static curve ends before it should, or passes the compression at which the spring buckles."""
     for one in states_of(facts.study):
         curve = one.one.curve
@@ -65,7 +65,7 @@ def fails(facts: Facts) -> Iterator[Hit]:
             })  # fmt: skip
 
 
-def leans(facts: Facts) -> Iterator[Hit]:
+def leans(facts: Facts) -> Hits:
     """A spring in a guide bows until it touches it."""
     for one in states_of(facts.study):
         leaning = None if one.one.curve is None else one.one.curve.leaning
@@ -75,7 +75,7 @@ def leans(facts: Facts) -> Iterator[Hit]:
             yield Hit(at, None, None, {"spring": one.name, "force": force})
 
 
-def loads(facts: Facts) -> Iterator[Hit]:
+def loads(facts: Facts) -> Hits:
     """Loads with the valve closed and at full lift."""
     states = states_of(facts.study)
     pair = pair_of(states) if states else None
@@ -88,7 +88,7 @@ def loads(facts: Facts) -> Iterator[Hit]:
 Read = Callable[[float], Amount | None]
 
 
-def _loads(name: str, force: Read, rate: Read, closed: float, full: float) -> Iterator[Hit]:
+def _loads(name: str, force: Read, rate: Read, closed: float, full: float) -> Hits:
     """Loads at two compressions (m), or lifts, of a spring that lifts."""
     first, last = force(closed), force(full) if math.isfinite(full) else None
     before, after = rate(closed), rate(full) if math.isfinite(full) else None
@@ -101,7 +101,7 @@ def _loads(name: str, force: Read, rate: Read, closed: float, full: float) -> It
     }, 0.0)  # fmt: skip
 
 
-def as_installed(facts: Facts) -> Iterator[Hit]:
+def as_installed(facts: Facts) -> Hits:
     """Load and rate of a spring that nothing lifts."""
     for one in states_of(facts.study)[:1]:
         force, rate = (read(one.one.precompression) for read in (one.force, one.rate))
@@ -142,7 +142,7 @@ def strongest(facts: Facts, natural_frequency: float, count: int = 1) -> tuple[i
     return tuple(sorted(sorted(sizes or orders, key=lambda one: -sizes.get(one, 0.0))[:count]))
 
 
-def surges(facts: Facts) -> Iterator[Hit]:
+def surges(facts: Facts) -> Hits:
     """The first axial natural frequency, both ends fixed, of the spring that the strongest cam order shakes most."""
     met = list[tuple[float, State, Amount, int]]()
     for one in {one.one.spring: one for one in reversed(states_of(facts.study))}.values():
@@ -166,7 +166,7 @@ def surges(facts: Facts) -> Iterator[Hit]:
         yield Hit(surge, None, None, {**fields, "spring": one.name, "next": step})
 
 
-def moving_end(facts: Facts) -> Iterator[Hit]:
+def moving_end(facts: Facts) -> Hits:
     """The first axial natural frequency with a mass on the retainer, or with its end free."""
     for one in states_of(facts.study)[:1]:
         mass = None if one.one.modes is None else one.one.modes.attached_mass
@@ -175,14 +175,14 @@ def moving_end(facts: Facts) -> Iterator[Hit]:
             yield Hit(one.surge, None, None, {"spring": one.name, "end": grams})
 
 
-def still(facts: Facts) -> Iterator[Hit]:
+def still(facts: Facts) -> Hits:
     """No spring has modes by the models that were asked for."""
     some = states_of(facts.study)
     if some and not any(one.surge for one in some):
         yield Hit(fields={"model": some[0].one.model})
 
 
-def failed_modes(facts: Facts) -> Iterator[Hit]:
+def failed_modes(facts: Facts) -> Hits:
     """Modes about a state that does not last, such as one beyond buckling."""
     for one in states_of(facts.study):
         modes = one.one.modes
@@ -190,7 +190,7 @@ def failed_modes(facts: Facts) -> Iterator[Hit]:
             yield Hit(fields={"did": modes.status.message, "remedy": modes.status.remedy})
 
 
-def torsion(facts: Facts) -> Iterator[Hit]:
+def torsion(facts: Facts) -> Hits:
     """A wire surges below the frequency by torsion alone, by which cards go, since few coils also tilt."""
     for one in states_of(facts.study)[:1]:
         alone, torsion = (
@@ -213,7 +213,7 @@ def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
     return zip(modes[::2], modes[1::2], strict=False)
 
 
-def apart(facts: Facts) -> Iterator[Hit]:
+def apart(facts: Facts) -> Hits:
     """By how much the surge of two nested springs differs, next to the width of their resonances at half power."""
     pair = pair_of(states_of(facts.study))
     halves = [one.values.get(HALF, math.nan) for one in pair.pair] if pair else []
@@ -230,7 +230,7 @@ def apart(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def whole_train(facts: Facts) -> Iterator[Hit]:
+def whole_train(facts: Facts) -> Hits:
     """The lowest natural frequency of the train with its springs, valve closed and at full lift."""
     for closed, lifted in list(_train(facts))[:1]:
         one, other = (

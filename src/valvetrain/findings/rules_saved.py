@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import RPM, Amount, Said, digits_text
 from valvetrain.runs.differences import ResultDifference, RunDifferences
 from valvetrain.runs.run_folders import ROOT, UnfinishedFolder
@@ -65,13 +64,13 @@ class SavedFacts(Subject):
         return ""
 
 
-def nothing(facts: SavedFacts) -> Iterator[Hit]:
+def nothing(facts: SavedFacts) -> Hits:
     """No run is saved, and none was begun."""
     if not facts.runs and not facts.unfinished:
         yield Hit(fields={"folder": str(facts.folder), "of": facts.name})
 
 
-def killed(facts: SavedFacts) -> Iterator[Hit]:
+def killed(facts: SavedFacts) -> Hits:
     """A run was killed before its end."""
     for one in facts.killed[:1]:
         yield Hit(fields={
@@ -80,7 +79,7 @@ def killed(facts: SavedFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def not_completed(facts: SavedFacts) -> Iterator[Hit]:
+def not_completed(facts: SavedFacts) -> Hits:
     """The newest run failed or was interrupted."""
     for run in facts.runs[:1]:
         if run.state != "completed":
@@ -90,7 +89,7 @@ def not_completed(facts: SavedFacts) -> Iterator[Hit]:
             })  # fmt: skip
 
 
-def saved(facts: SavedFacts) -> Iterator[Hit]:
+def saved(facts: SavedFacts) -> Hits:
     """Runs are saved or in progress."""
     said = f"{facts.runs[0].case}, {facts.runs[0].verdict.get('text', '')}" if facts.runs else ""
     fields: dict[str, Said] = {
@@ -167,7 +166,7 @@ def value_text(value: object) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def change(facts: DifferenceFacts) -> Iterator[Hit]:
+def change(facts: DifferenceFacts) -> Hits:
     """A headline number differs by more than its error bars; without error bars by more than a thousandth."""
     for row in facts.deciding[:1]:
         a, b = row.a or 0.0, row.b or 0.0
@@ -178,27 +177,27 @@ def change(facts: DifferenceFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def small(facts: DifferenceFacts) -> Iterator[Hit]:
+def small(facts: DifferenceFacts) -> Hits:
     """Numbers differ, but no headline number by more than its error bars."""
     if facts.changed:
         yield Hit(fields=cause(facts))
 
 
-def same(facts: DifferenceFacts) -> Iterator[Hit]:
+def same(facts: DifferenceFacts) -> Hits:
     """Every number that both runs have is the same."""
     whole = all(run.state == "completed" for run in (facts.both.a, facts.both.b))
     lacks = bool(facts.both.results) or not whole
     yield Hit(fields={"there": "that both have" if lacks else "", **cause(facts)})
 
 
-def failed(facts: DifferenceFacts) -> Iterator[Hit]:
+def failed(facts: DifferenceFacts) -> Hits:
     """A part of either run failed."""
     for letter, run in (("A", facts.both.a), ("B", facts.both.b)):
         if run.failures:
             yield Hit(fields={"letter": letter, "said": run.failures[0]})
 
 
-def alone(facts: DifferenceFacts) -> Iterator[Hit]:
+def alone(facts: DifferenceFacts) -> Hits:
     """Numbers that one of the runs lacks."""
     number = len(facts.both.results) - len(facts.changed)
     if number:

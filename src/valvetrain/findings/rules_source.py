@@ -5,9 +5,9 @@ what was fitted, how far the rest is off, and what a source prints otherwise.
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 
-from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import SEAT
 from valvetrain.findings.words import Amount, joined, speed_text
@@ -22,7 +22,7 @@ Reader = Callable[[Fact], Fields]
 def rests_on(*codes: str, read: Reader = lambda _: {}) -> Condition:
     """A fact of the study, or of a run that decides, of any of ``codes``; ``read`` gives the fields of its text."""
 
-    def hits(facts: Facts) -> Iterator[Hit]:
+    def hits(facts: Facts) -> Hits:
         known = (*facts.study.facts, *(one for run in facts.runs for one in run.facts))
         for one in known:
             if one.code in codes:
@@ -62,13 +62,13 @@ def _driver(fact: Fact) -> Fields:
     return {"driver": str(fact.fields["driver"]), "force": force}
 
 
-def angles(facts: Facts) -> Iterator[Hit]:
+def angles(facts: Facts) -> Hits:
     """The runs have angles: which ones, where the nose is, and what zero is where the case says so."""
     for run in [one for one in facts.runs if one.has("valve_lift")][-1:]:
         yield Hit(facts.nose(run), fields={"zero": facts.study.record.zero_of_angle})
 
 
-def assumed(facts: Facts) -> Iterator[Hit]:
+def assumed(facts: Facts) -> Hits:
     """The file of a case of one's own calls values assumed: loads, masses and damping, which decide, are named first."""
     record = facts.study.record
     names = sorted(record.assumed, key=lambda name: not name.endswith(FIRST))
@@ -77,7 +77,7 @@ def assumed(facts: Facts) -> Iterator[Hit]:
         yield Hit(fields={"values": ", ".join(names[:MOST]), "more": more})
 
 
-def recut(facts: Facts) -> Iterator[Hit]:
+def recut(facts: Facts) -> Hits:
     """The lash by which a cam is cut was changed, and with it the cam."""
     if LASH in facts.study.record.changed:
         yield Hit()
@@ -156,7 +156,7 @@ def compared(facts: Facts) -> list[Comparison]:
     return [row for row in facts.study.comparisons if row.difference is not None and not row.doubt]
 
 
-def published(facts: Facts) -> Iterator[Hit]:
+def published(facts: Facts) -> Hits:
     """Printed values: how many a case was fitted to, and how far the others are off."""
     rows = compared(facts)
     free = [row for row in rows if row.role != FITTED]
@@ -168,21 +168,21 @@ def published(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def blind(facts: Facts) -> Iterator[Hit]:
+def blind(facts: Facts) -> Hits:
     """How far the case that was not fitted is off the same printed values."""
     rows = [row for row in compared(facts) if row.blind is not None]
     if forces := off(rows, FORCES, lambda row: row.blind):
         yield Hit(Amount("clash_count", len(rows)), fields={"forces": forces})
 
 
-def contradicted(facts: Facts) -> Iterator[Hit]:
+def contradicted(facts: Facts) -> Hits:
     """A finding of the source that the runs do not show."""
     for one in facts.study.findings:
         if one.verdict == NOT_SEEN:
             yield Hit(fields={"said": one.statement, "place": one.place})
 
 
-def by_phase(facts: Facts) -> Iterator[Hit]:
+def by_phase(facts: Facts) -> Hits:
     """A printed value rests on the phase of the samples of its source, which a range over all phases shows."""
     for row in compared(facts):
         if row.samples is not None and row.samples.low < row.published < row.samples.high:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
-from valvetrain.findings.engine import SPRINGS, Hit, Rule, above, below, per_run
+from valvetrain.findings.engine import SPRINGS, Hit, Hits, Rule, above, below, per_run
 from valvetrain.findings.facts import TURN, Facts
 from valvetrain.findings.words import Amount
 from valvetrain.solution.result import Solution
@@ -101,7 +100,7 @@ def lifts(facts: Facts, run: Solution) -> Hit | None:
     return Hit(least, run, 0.0, severity=-least.value)
 
 
-def surge(facts: Facts) -> Iterator[Hit]:
+def surge(facts: Facts) -> Hits:
     """Surge that is not lost in the force of the spring, and what the spring has to spare: in a train its margin over inertia,
     alone its preload.
     """
@@ -117,7 +116,7 @@ def surge(facts: Facts) -> Iterator[Hit]:
             yield Hit(amount, run, fields=fields)
 
 
-def large_surge(facts: Facts) -> Iterator[Hit]:
+def large_surge(facts: Facts) -> Hits:
     """Surge above a fifth of what the spring has to spare."""
     for hit in surge(facts):
         left = hit.fields["left"]
@@ -125,7 +124,7 @@ def large_surge(facts: Facts) -> Iterator[Hit]:
             yield hit
 
 
-def resting(facts: Facts) -> Iterator[Hit]:
+def resting(facts: Facts) -> Hits:
     """Coils come to rest on each other as the spring closes: they press without a blow."""
     for run in facts.runs:
         blows = facts.strikes(run)

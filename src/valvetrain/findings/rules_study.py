@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import BOUNCE, Facts
 from valvetrain.findings.rules_train import (
     CONTACT,
@@ -36,7 +36,7 @@ MASSLESS = "massless"
 # -- runs ------------------------------------------------------------------------------------------
 
 
-def ended(facts: Facts) -> Iterator[Hit]:
+def ended(facts: Facts) -> Hits:
     """Runs that did not end, the kind of the slowest one first."""
     some = sorted(facts.ended, key=lambda run: run.engine_speed)
     if some:
@@ -48,36 +48,36 @@ def ended(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def nothing(facts: Facts) -> Iterator[Hit]:
+def nothing(facts: Facts) -> Hits:
     """No run ended."""
     return iter(()) if facts.runs else ended(facts)
 
 
-def at_rest(facts: Facts) -> Iterator[Hit]:
+def at_rest(facts: Facts) -> Hits:
     """Nothing was run: the case names no engine speed."""
     if not facts.study.solutions and not facts.study.at_rest_only:
         yield Hit()
 
 
-def unsettled(facts: Facts) -> Iterator[Hit]:
+def unsettled(facts: Facts) -> Hits:
     """Runs whose motion does not repeat."""
     return (Hit(None, run) for run in facts.runs if run.status.code == "not-converged")
 
 
-def pulls(facts: Facts) -> Iterator[Hit]:
+def pulls(facts: Facts) -> Hits:
     """A model with fixed ends shows a pull where the spring would leave its seat."""
     for run in facts.runs:
         if any(one.kind == "end-pull" for one in run.events):
             yield Hit(None, run, None, {"model": run.model}, -run.engine_speed)
 
 
-def too_hard(facts: Facts) -> Iterator[Hit]:
+def too_hard(facts: Facts) -> Hits:
     """Coils clash harder than the reduced rod is made for, as its error bars show."""
     for one in with_code(facts.study.error_bars.facts, "too-hard"):
         yield Hit(fields={"speed": speed_text(float(one.fields["engine_speed"]))})
 
 
-def unsure(facts: Facts) -> Iterator[Hit]:
+def unsure(facts: Facts) -> Hits:
     """Numbers that move by more than a twentieth on other meshes."""
     rows = [one for one in facts.study.error_bars.rows if one.numerical > COARSE * abs(one.value)]
     names = list(dict.fromkeys(label_of(one.quantity) for one in rows))
@@ -86,13 +86,13 @@ def unsure(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(COUNT, len(names)), fields={"first": names[0], "more": more})
 
 
-def stopped(facts: Facts) -> Iterator[Hit]:
+def stopped(facts: Facts) -> Hits:
     """The study was stopped before its end, so that what is missing judges nothing."""
     if facts.study.interruption:
         yield Hit(fields={"said": facts.study.interruption})
 
 
-def missing(facts: Facts) -> Iterator[Hit]:
+def missing(facts: Facts) -> Hits:
     """Parts of the study that failed."""
     for one in dict.fromkeys((*facts.study.gaps, *(gap for run in facts.runs for gap in run.gaps))):
         yield Hit(fields={"said": one})
@@ -119,7 +119,7 @@ def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
     return [run for run in models if run not in lost], lost
 
 
-def disagree(facts: Facts) -> Iterator[Hit]:
+def disagree(facts: Facts) -> Hits:
     """Some models lose contact at one speed and some do not; a massless spring, which knows no surge, has no vote."""
     held, lost = _votes(facts)
     if held and lost:
@@ -134,7 +134,7 @@ def disagree(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def _agree(facts: Facts, little: bool) -> Iterator[Hit]:
+def _agree(facts: Facts, little: bool) -> Hits:
     held, lost = _votes(facts)
     if facts.study.command != "compare" or lost or len(held) < 2:
         return
@@ -153,17 +153,17 @@ def _range(facts: Facts, runs: Sequence[Solution], least: Amount, most: Amount) 
     }  # fmt: skip
 
 
-def all_hold(facts: Facts) -> Iterator[Hit]:
+def all_hold(facts: Facts) -> Hits:
     """Every model that a comparison ran keeps contact at one speed, and the one that decides leaves enough force."""
     return _agree(facts, little=False)
 
 
-def all_barely(facts: Facts) -> Iterator[Hit]:
+def all_barely(facts: Facts) -> Hits:
     """Every model keeps contact at one speed, and the one that decides leaves little force."""
     return _agree(facts, little=True)
 
 
-def all_lose(facts: Facts) -> Iterator[Hit]:
+def all_lose(facts: Facts) -> Hits:
     """Every model that a comparison ran loses contact at one speed."""
     held, lost = _votes(facts)
     gaps = [one for run in lost if (one := facts.amount(run, "loft_gap"))]
@@ -176,7 +176,7 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
         yield Hit(most, None, 0.0, fields)
 
 
-def some_bounce(facts: Facts) -> Iterator[Hit]:
+def some_bounce(facts: Facts) -> Hits:
     """Every model of a comparison keeps contact at one speed, and by one of them the valve bounces."""
     held, lost = _votes(facts)
     if facts.study.command != "compare" or lost or len(held) < 2:
@@ -191,7 +191,7 @@ def some_bounce(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def peaks(facts: Facts) -> Iterator[Hit]:
+def peaks(facts: Facts) -> Hits:
     """The range of the peak force that a spring alone has by the models of a comparison, and which one decides."""
     runs = () if facts.train else facts.models
     amounts = (facts.amount(run, "peak_retainer_force") for run in runs)
@@ -201,7 +201,7 @@ def peaks(facts: Facts) -> Iterator[Hit]:
         yield Hit(most, None, None, _range(facts, runs, least, most))
 
 
-def other_models(facts: Facts) -> Iterator[Hit]:
+def other_models(facts: Facts) -> Hits:
     """What the other models say of the same train."""
     own, said = {run.model for run in facts.runs}, list[Said]()
     for run in facts.models:
@@ -211,7 +211,7 @@ def other_models(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(COUNT, len(said)), fields={"said": said})
 
 
-def spread(facts: Facts) -> Iterator[Hit]:
+def spread(facts: Facts) -> Hits:
     """Another model of a spring alone, next to the one that decides."""
     for run in facts.others:
         for mine in facts.runs:
@@ -235,7 +235,7 @@ def _without_contact(facts: Facts, run: Solution) -> float:
     return next((one for one in values if math.isfinite(one)), 0.0)
 
 
-def loses_running_up(facts: Facts) -> Iterator[Hit]:
+def loses_running_up(facts: Facts) -> Hits:
     """The first revolution of a run-up in which the cam is left, up to the red line."""
     lost = _lost(facts)
     if lost:
@@ -248,7 +248,7 @@ def loses_running_up(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def kept_running_up(facts: Facts) -> Iterator[Hit]:
+def kept_running_up(facts: Facts) -> Hits:
     """A run-up in which the cam is never left."""
     if facts.runs and not _lost(facts):
         least = min(

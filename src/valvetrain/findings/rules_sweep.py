@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from valvetrain.findings.control import Loss
-from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing, loss_of
 from valvetrain.findings.words import RPM, Amount, Phrase, Said, about, joined, speed_text
@@ -96,7 +96,7 @@ def _first(facts: Facts) -> Loss | None:
     return next(iter(facts.control(facts.first_label).losses), None)
 
 
-def _lost(facts: Facts, beyond: bool) -> Iterator[Hit]:
+def _lost(facts: Facts, beyond: bool) -> Hits:
     loss = _first(facts)
     if loss is None or loss.begin <= 0 or (loss.begin >= facts.red_line) is not beyond:
         return
@@ -112,17 +112,17 @@ def _lost(facts: Facts, beyond: bool) -> Iterator[Hit]:
     })  # fmt: skip
 
 
-def lost(facts: Facts) -> Iterator[Hit]:
+def lost(facts: Facts) -> Hits:
     """Control is lost for good below the red line, or anywhere where none is stated."""
     return _lost(facts, beyond=False)
 
 
-def lost_beyond(facts: Facts) -> Iterator[Hit]:
+def lost_beyond(facts: Facts) -> Hits:
     """Control is lost, but beyond the red line."""
     return _lost(facts, beyond=True)
 
 
-def never_held(facts: Facts) -> Iterator[Hit]:
+def never_held(facts: Facts) -> Hits:
     """Control is lost already at the lowest speed searched."""
     loss = _first(facts)
     if loss is not None and loss.begin <= 0:
@@ -136,7 +136,7 @@ def never_held(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(SPEED, first), None, None, fields)
 
 
-def held(facts: Facts) -> Iterator[Hit]:
+def held(facts: Facts) -> Hits:
     """Nothing is lost up to the highest speed searched."""
     if facts.searched and facts.train and _first(facts) is None:
         last = max(one.last_engine_speed for one in facts.study.critical_speeds)
@@ -146,7 +146,7 @@ def held(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(SPEED, last), run, None, fields)
 
 
-def islands(facts: Facts) -> Iterator[Hit]:
+def islands(facts: Facts) -> Hits:
     """Short ranges of lost contact below the loss that stays, which an engine passes at once."""
     for label in facts.lead_labels if facts.searched else ():
         control = facts.control(label)
@@ -169,7 +169,7 @@ def _span(one: SpeedBracket) -> str:
 def lost_over_speed(kind: str) -> Condition:
     """A condition on one kind of loss: the speeds that hold it, why, and angle and size of the largest one there."""
 
-    def hits(facts: Facts) -> Iterator[Hit]:
+    def hits(facts: Facts) -> Hits:
         label = facts.first_label if facts.searched else ""
         losses = [one for one in facts.control(label).losses if one.row.kind == kind]
         for loss in losses[:1]:
@@ -210,7 +210,7 @@ def _from(one: SpeedBracket, row: CriticalSpeed) -> str:
     return f"{about(low)}{f' to {about(one.upper_engine_speed)}' if ends else ''}"
 
 
-def by_others(facts: Facts) -> Iterator[Hit]:
+def by_others(facts: Facts) -> Hits:
     """To which speed other models that were requested keep control; a model that knows no surge has no vote on it."""
     said = list[Phrase]()
     models = {run.label: run.model for run in facts.others if facts.searched}
@@ -232,7 +232,7 @@ def by_others(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(SPEED, len(said)), None, None, {"said": tuple(said)})
 
 
-def two_motions(facts: Facts) -> Iterator[Hit]:
+def two_motions(facts: Facts) -> Hits:
     """Between two speeds control is kept as the speed rises, and not regained as it falls."""
     for row in facts.study.critical_speeds if facts.searched else ():
         if row.label in facts.lead_labels and row.both_motions is not None:
@@ -242,7 +242,7 @@ def two_motions(facts: Facts) -> Iterator[Hit]:
             )
 
 
-def silent(facts: Facts) -> Iterator[Hit]:
+def silent(facts: Facts) -> Hits:
     """The ends of the spring would pull, in a model that cannot lift them: such runs do not show whether control is lost."""
     for row in facts.study.critical_speeds if facts.searched else ():
         if row.label in facts.lead_labels and row.pulled:
@@ -250,7 +250,7 @@ def silent(facts: Facts) -> Iterator[Hit]:
             yield Hit(Amount(SPEED, row.pulled[0].lower_engine_speed), None, None, fields)
 
 
-def unlike(facts: Facts) -> Iterator[Hit]:
+def unlike(facts: Facts) -> Hits:
     """Spring sets of one sweep that lose control at different speeds."""
     labels = facts.lead_labels if facts.searched else ()
     ends = sorted(((facts.control(one).limit, one) for one in labels), reverse=True)
@@ -333,7 +333,7 @@ def _clear(facts: Facts, found: list[tuple[str, float]]) -> bool:
     return found[0][1] > (1 + ALIKE) * found[1][1] and min(gains(facts), default=1.0) > 0
 
 
-def longer(facts: Facts) -> Iterator[Hit]:
+def longer(facts: Facts) -> Hits:
     """One of two springs keeps control longer by more than a hundredth of the speed, with every model and damping tried."""
     found = pair(facts)
     if found and _clear(facts, found):
@@ -341,7 +341,7 @@ def longer(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(SPEED, found[1][1]), None, limit, _pair_fields(facts, found))
 
 
-def alike(facts: Facts) -> Iterator[Hit]:
+def alike(facts: Facts) -> Hits:
     """Two springs lose control within a hundredth of the speed, or neither does, or model or damping decides which."""
     found = pair(facts)
     if found and not _clear(facts, found):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule, above, below, per_run
 from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
 from valvetrain.quantities.loss_cause import FLIGHT, float_and_losses, leading_loss
@@ -144,7 +144,7 @@ def lands(facts: Facts, run: Solution) -> Hit | None:
 bounced = above("bounce_height", "permitted_bounce_height")
 
 
-def bounces(facts: Facts) -> Iterator[Hit]:
+def bounces(facts: Facts) -> Hits:
     """The valve bounces off its seat by more than the limit of the case, else 0.1 mm."""
     for hit in bounced(facts):
         yield (
@@ -181,7 +181,7 @@ def near_limit(facts: Facts, run: Solution) -> bool:
     return scarce or (rigid is not None and left < BARELY * rigid.value)
 
 
-def _kept(facts: Facts, little: bool) -> Iterator[Hit]:
+def _kept(facts: Facts, little: bool) -> Hits:
     for amount, run in facts.amounts(CONTACT[0]):
         if not facts.losses(run) and near_limit(facts, run) is little:
             fields: Fields = {
@@ -198,12 +198,12 @@ def rigid_force(run: Solution) -> Amount | None:
     return Amount(CONTACT[0], float(force.min()))
 
 
-def kept(facts: Facts) -> Iterator[Hit]:
+def kept(facts: Facts) -> Hits:
     """Runs that keep contact throughout."""
     return _kept(facts, little=False)
 
 
-def barely(facts: Facts) -> Iterator[Hit]:
+def barely(facts: Facts) -> Hits:
     """Runs that keep contact by little force."""
     return _kept(facts, little=True)
 
@@ -230,7 +230,7 @@ def flex(facts: Facts, run: Solution) -> Hit | None:
     return Hit(lost, run, fields={"shorter": shorter or ""})
 
 
-def needs(facts: Facts) -> Iterator[Hit]:
+def needs(facts: Facts) -> Hits:
     """What seat load and open load, or which rate, would leave a fifth of the inertia force at the highest speed that decides."""
     for run in facts.runs[-1:]:
         names = {

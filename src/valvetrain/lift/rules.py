@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from valvetrain.findings.engine import Fields, Hit, Rule, Subject
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, Said, percent
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import COARSE, LiftFigure, LobeResult, overshoot
@@ -82,13 +81,13 @@ def looseness(lobe: LobeResult) -> float:
     return max(BAND * one.spread / abs(one.value) for one in peaks)
 
 
-def failed(facts: LiftFacts) -> Iterator[Hit]:
+def failed(facts: LiftFacts) -> Hits:
     """A run of the case with this lift failed."""
     for said in facts.failures[:1]:
         yield Hit(fields={"said": said})
 
 
-def off(facts: LiftFacts) -> Iterator[Hit]:
+def off(facts: LiftFacts) -> Hits:
     """A station is more than four standard deviations off the law."""
     for lobe in facts.lobes:
         if lobe.off.size:
@@ -101,7 +100,7 @@ def off(facts: LiftFacts) -> Iterator[Hit]:
             )
 
 
-def misfit(facts: LiftFacts) -> Iterator[Hit]:
+def misfit(facts: LiftFacts) -> Hits:
     """A column of velocity or acceleration is not the derivative of the lift."""
     for lobe in facts.lobes:
         for column, apart in lobe.measured.misfits.items():
@@ -109,7 +108,7 @@ def misfit(facts: LiftFacts) -> Iterator[Hit]:
                 yield Hit(fields={"column": column})
 
 
-def loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
+def loose(facts: LiftFacts, coarse: bool) -> Hits:
     """Noise, or stations that are ``coarse``, leave more than a fifth of the acceleration open."""
     for lobe in facts.lobes:
         spacing = float(np.median(np.diff(lobe.smoothed.cam_angles)))
@@ -128,7 +127,7 @@ def loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
             )  # fmt: skip
 
 
-def dusty(facts: LiftFacts, mended: bool) -> Iterator[Hit]:
+def dusty(facts: LiftFacts, mended: bool) -> Hits:
     """Stations stand out of a smooth lift on one side, or were taken out (``mended``)."""
     for table in (lobe.measured for lobe in facts.lobes):
         if table.dust and table.mended == mended:
@@ -140,7 +139,7 @@ def dusty(facts: LiftFacts, mended: bool) -> Iterator[Hit]:
             yield Hit(Amount("station_lift", worst.height), fields=fields)
 
 
-def steep(facts: LiftFacts) -> Iterator[Hit]:
+def steep(facts: LiftFacts) -> Hits:
     """The acceleration is many times what a lobe of that lift and width has."""
     for lobe in facts.lobes:
         law, figures = lobe.smoothed, {one.name: one.value for one in lobe.figures}
@@ -154,7 +153,7 @@ def steep(facts: LiftFacts) -> Iterator[Hit]:
             )
 
 
-def unusual(facts: LiftFacts) -> Iterator[Hit]:
+def unusual(facts: LiftFacts) -> Hits:
     """The peak of a lift is none of an engine's, as where its unit is another."""
     for lobe in facts.lobes:
         peak = next(one.value for one in lobe.figures if one.name == "peak_lift")
@@ -162,7 +161,7 @@ def unusual(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(Amount("peak_lift", peak), fields={"lobe": lobe.measured.name})
 
 
-def gaps(facts: LiftFacts) -> Iterator[Hit]:
+def gaps(facts: LiftFacts) -> Hits:
     """Stations are missing within the lobe, beyond those that were taken out."""
     for lobe in facts.lobes:
         angles = lobe.smoothed.cam_angles
@@ -176,7 +175,7 @@ def gaps(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(width, fields={"lobe": lobe.measured.name, "angle": angle})
 
 
-def jumps(facts: LiftFacts) -> Iterator[Hit]:
+def jumps(facts: LiftFacts) -> Hits:
     """The acceleration jumps, and a smooth lift through the stations overshoots there."""
     for lobe in facts.lobes:
         for place, beyond in (overshoot(lobe.smoothed, sign) for sign in (1, -1)):
@@ -185,7 +184,7 @@ def jumps(facts: LiftFacts) -> Iterator[Hit]:
                 yield Hit(fields={"lobe": lobe.measured.name, "angle": angle}, severity=beyond)
 
 
-def undercut(facts: LiftFacts) -> Iterator[Hit]:
+def undercut(facts: LiftFacts) -> Hits:
     """The follower undercuts the cam, or a flat face would need a hollow."""
     for lobe in facts.lobes:
         if lobe.contour is not None and lobe.contour.undercut:
@@ -200,7 +199,7 @@ def undercut(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(Amount("lift", figures["base_radius"]), fields=fields)
 
 
-def carried(facts: LiftFacts) -> Iterator[Hit]:
+def carried(facts: LiftFacts) -> Hits:
     """A case has the lift, and its float speed or a force is known."""
     for one in facts.worst[:1]:
         noise = BAND * one.spread
@@ -208,7 +207,7 @@ def carried(facts: LiftFacts) -> Iterator[Hit]:
         yield Hit(Amount(one.quantity, one.value, noise), fields=fields)
 
 
-def good(facts: LiftFacts) -> Iterator[Hit]:
+def good(facts: LiftFacts) -> Hits:
     """The stations determine the lift, or both lifts."""
     for lobe in facts.lobes[:1]:
         durations = [one for one in lobe.figures if one.name.startswith(("peak", "duration"))]
@@ -225,7 +224,7 @@ def good(facts: LiftFacts) -> Iterator[Hit]:
         yield Hit(first.amount, fields=fields)
 
 
-def timed(facts: LiftFacts) -> Iterator[Hit]:
+def timed(facts: LiftFacts) -> Hits:
     """The events of a cam were typed in, without a lift."""
     if not facts.lobes and facts.carried is None:
         both = [one for one in facts.timing if one.name.startswith(("lobe_sep", "overlap"))]
@@ -234,13 +233,13 @@ def timed(facts: LiftFacts) -> Iterator[Hit]:
         yield Hit(first.amount, fields=fields)
 
 
-def widened(facts: LiftFacts) -> Iterator[Hit]:
+def widened(facts: LiftFacts) -> Hits:
     """The requested band is tighter than the noise."""
     if any(lobe.smoothed.widened for lobe in facts.lobes):
         yield Hit()
 
 
-def base(facts: LiftFacts) -> Iterator[Hit]:
+def base(facts: LiftFacts) -> Hits:
     """The base circle of the table was not at zero, or it scatters."""
     for law in (lobe.smoothed for lobe in facts.lobes):
         if law.base or law.runout:
@@ -248,7 +247,7 @@ def base(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(Amount("station_lift", law.base), fields={"scatter": scatter})
 
 
-def unused(facts: LiftFacts) -> Iterator[Hit]:
+def unused(facts: LiftFacts) -> Hits:
     """The table holds columns besides angle and lift."""
     for table in (lobe.measured for lobe in facts.lobes):
         fits = [f"{name} fits within {percent(apart)}" for name, apart in table.misfits.items()]
@@ -256,21 +255,21 @@ def unused(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(fields={"said": said})
 
 
-def changed(facts: LiftFacts) -> Iterator[Hit]:
+def changed(facts: LiftFacts) -> Hits:
     """The table was turned to make a lift of it."""
     for table in (lobe.measured for lobe in facts.lobes[:1]):
         if table.changes:
             yield Hit(fields={"said": list(table.changes)})
 
 
-def events(facts: LiftFacts) -> Iterator[Hit]:
+def events(facts: LiftFacts) -> Hits:
     """The table holds more than one lift."""
     names = [lobe.measured.name for lobe in facts.lobes]
     if any("-" in name for name in names):
         yield Hit(fields={"names": names})
 
 
-def assumed(facts: LiftFacts) -> Iterator[Hit]:
+def assumed(facts: LiftFacts) -> Hits:
     """The table leaves something open that was assumed."""
     for table in (lobe.measured for lobe in facts.lobes[:1]):
         if said := [ASSUMED[one.question] for one in table.answers if one.by == "assumed"]:

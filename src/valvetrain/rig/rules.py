@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from valvetrain.findings.engine import Fields, Hit, Rule, Subject
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, Phrase, joined, speed_text
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.solution.definition import label_of
@@ -58,14 +57,14 @@ class RigFacts(Subject):
         ]
 
 
-def clipped(facts: RigFacts) -> Iterator[Hit]:
+def clipped(facts: RigFacts) -> Hits:
     """A channel stays at the end of its range, so that its peaks are cut."""
     cut = [one.cycles.quantity for one in facts.result.channels if one.clipped]
     if cut:
         yield Hit(fields={"channels": joined([label_of(one) for one in cut])})
 
 
-def unlike(facts: RigFacts) -> Iterator[Hit]:
+def unlike(facts: RigFacts) -> Hits:
     """Half of the cycles or more are outliers or have gaps."""
     result = facts.result
     if len(result.retained) <= ALIKE * result.grid.cycles:
@@ -81,7 +80,7 @@ def _count(result: RigResult) -> dict[str, str]:
     }
 
 
-def drift(facts: RigFacts) -> Iterator[Hit]:
+def drift(facts: RigFacts) -> Hits:
     """The mean of a channel drifts over the recording, and no zero is taken off."""
     for one in facts.drifting():
         name, swing = one.cycles.quantity, float(np.ptp(one.cycles.mean))
@@ -96,7 +95,7 @@ def drift(facts: RigFacts) -> Iterator[Hit]:
         yield Hit(fields=fields, severity=share)
 
 
-def uneven(facts: RigFacts) -> Iterator[Hit]:
+def uneven(facts: RigFacts) -> Hits:
     """The cam speed differs between the cycles, so that their mean is none of one speed."""
     low, high = float(facts.speeds.min()), float(facts.speeds.max())
     if high - low > SPEED_RANGE * float(facts.speeds.mean()):
@@ -105,7 +104,7 @@ def uneven(facts: RigFacts) -> Iterator[Hit]:
         )
 
 
-def usable(facts: RigFacts) -> Iterator[Hit]:
+def usable(facts: RigFacts) -> Hits:
     """The cycles are alike and nothing speaks against them."""
     channel, result = facts.result.channels[0], facts.result
     name, peak = channel.cycles.quantity, mean_peak(channel)
@@ -116,7 +115,7 @@ def usable(facts: RigFacts) -> Iterator[Hit]:
     yield Hit(fields={**_count(result), **fields})
 
 
-def left_out(facts: RigFacts) -> Iterator[Hit]:
+def left_out(facts: RigFacts) -> Hits:
     """Cycles that are outliers or have gaps."""
     for cycle, why in facts.result.outliers[:1]:
         more = len(facts.result.outliers) - 1
@@ -125,13 +124,13 @@ def left_out(facts: RigFacts) -> Iterator[Hit]:
         )
 
 
-def unplaced(facts: RigFacts) -> Iterator[Hit]:
+def unplaced(facts: RigFacts) -> Hits:
     """Neither a case with a lift nor an offset relates the angle of the rig to the cam."""
     if not facts.result.placed:
         yield Hit()
 
 
-def other_lift(facts: RigFacts) -> Iterator[Hit]:
+def other_lift(facts: RigFacts) -> Hits:
     """The measured lift is not that of the case: its flanks are apart from them, or it is higher or lower."""
     fit = facts.result.alignment
     apart, off = (0.0, 0.0) if fit is None else (abs(fit.opening - fit.closing), abs(fit.gain - 1))
@@ -142,7 +141,7 @@ def other_lift(facts: RigFacts) -> Iterator[Hit]:
         )
 
 
-def synthetic(facts: RigFacts) -> Iterator[Hit]:
+def synthetic(facts: RigFacts) -> Hits:
     """The recording was computed, not measured."""
     if facts.result.synthetic:
         yield Hit()

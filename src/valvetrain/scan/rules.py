@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.arrays import Array
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
@@ -103,21 +102,21 @@ def degrees(radians: float) -> str:
     return f"{digits_text(math.degrees(radians), 0, 2)} deg"
 
 
-def sector(facts: ScanFacts) -> Iterator[Hit]:
+def sector(facts: ScanFacts) -> Hits:
     """No point lies in a sector about the axis that is wider than 14 degrees."""
     seen = facts.scan.coverage
     if seen.sector > BRIDGED:
         yield Hit(fields={"sector": degrees(seen.sector), "tips": " and ".join(seen.hidden_tips)})
 
 
-def strays(facts: ScanFacts) -> Iterator[Hit]:
+def strays(facts: ScanFacts) -> Hits:
     """Fewer than four fifths of the points are on the wire."""
     share = facts.scan.points_on_wire / max(1, facts.scan.points_fitted)
     if share < EXPLAINED:
         yield Hit(fields={"share": f"{100 * share:.0f} %"})
 
 
-def covered(facts: ScanFacts) -> Iterator[Hit]:
+def covered(facts: ScanFacts) -> Hits:
     """A scan without a design."""
     scan = facts.scan
     if facts.compared is None:
@@ -126,7 +125,7 @@ def covered(facts: ScanFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def failed(facts: ScanFacts) -> Iterator[Hit]:
+def failed(facts: ScanFacts) -> Hits:
     """Analyses of the design or of the scanned spring did not complete."""
     for sentence in () if facts.compared is None else facts.compared.failures[:1]:
         yield Hit(fields={"first": sentence})
@@ -157,7 +156,7 @@ def causes(
     }  # fmt: skip
 
 
-def not_as_drawn(facts: ScanFacts) -> Iterator[Hit]:
+def not_as_drawn(facts: ScanFacts) -> Hits:
     """Rate or preload differs from the design by more than 2 %."""
     for number in facts.deciding:
         if abs(number.difference) > AS_DRAWN and facts.compared is not None:
@@ -166,7 +165,7 @@ def not_as_drawn(facts: ScanFacts) -> Iterator[Hit]:
             yield apart(number, cause=cause, part=percent(part))
 
 
-def size_off(facts: ScanFacts) -> Iterator[Hit]:
+def size_off(facts: ScanFacts) -> Hits:
     """A size is off that of the design by more than its interval and 1 %."""
     for size in facts.sizes:
         if size.drawn is not None and size.label != "pitch":
@@ -176,19 +175,19 @@ def size_off(facts: ScanFacts) -> Iterator[Hit]:
                 yield Hit(Amount(size.quantity, value, bar), None, drawn, {"name": size.label}, off / drawn)  # fmt: skip
 
 
-def as_drawn(facts: ScanFacts) -> Iterator[Hit]:
+def as_drawn(facts: ScanFacts) -> Hits:
     """Rate and preload are those of the design within 2 %."""
     yield from map(apart, facts.deciding)
 
 
-def others(facts: ScanFacts) -> Iterator[Hit]:
+def others(facts: ScanFacts) -> Hits:
     """Other quantities differ from the design by more than 2 %."""
     rows = [number for number in facts.numbers if abs(number.difference) > AS_DRAWN and number not in facts.deciding]  # fmt: skip
     for number in rows:
         yield apart(number, more=f"{len(rows) - 1} more" * (len(rows) > 1))
 
 
-def oval(facts: ScanFacts) -> Iterator[Hit]:
+def oval(facts: ScanFacts) -> Hits:
     """The section of the wire is an ellipse, which no case takes."""
     section = facts.scan.section
     if section.ovate:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.findings.engine import Condition, Hit, Rule, Subject
+from valvetrain.findings.engine import Condition, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text, percent
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.statics import design_quantities
@@ -58,7 +57,7 @@ def apart(one: CardDeviation) -> float:
     return one.found / one.requested - 1 if one.requested else 0.0
 
 
-def doubted(facts: CardFacts) -> Iterator[Hit]:
+def doubted(facts: CardFacts) -> Hits:
     """The loads are hardly those of one spring with this wire."""
     for fit in facts.by_card:
         if doubt_of(fit.card):
@@ -68,7 +67,7 @@ def doubted(facts: CardFacts) -> Iterator[Hit]:
             )
 
 
-def missed(facts: CardFacts) -> Iterator[Hit]:
+def missed(facts: CardFacts) -> Hits:
     """A number of the card, but its solid height, is more than 1 % off what the others make."""
     for one in (
         held for fit in facts.by_card for held in fit.held if held.quantity != "solid_height"
@@ -78,19 +77,19 @@ def missed(facts: CardFacts) -> Iterator[Hit]:
             yield Hit(Amount(one.quantity, one.found), None, limit, name, abs(apart(one)))
 
 
-def other_height(facts: CardFacts) -> Iterator[Hit]:
+def other_height(facts: CardFacts) -> Hits:
     """The solid height of the card is more than 1 % off that of the wire."""
     wire = facts.wire
     if wire is not None and wire.solid_heights_differ:
         yield Hit(Amount("solid_height", wire.computed_solid_height), None, wire.solid_height)
 
 
-def off_table(facts: CardFacts) -> Iterator[Hit]:
+def off_table(facts: CardFacts) -> Hits:
     """The wire is more than 3 % of the largest force off the table."""
     return (hit for hit in of_table(facts) if hit.severity > MISFIT)
 
 
-def of_card(facts: CardFacts) -> Iterator[Hit]:
+def of_card(facts: CardFacts) -> Hits:
     """A wire has the numbers of the card."""
     for fit in facts.by_card:
         apart_by = [
@@ -102,7 +101,7 @@ def of_card(facts: CardFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def of_table(facts: CardFacts) -> Iterator[Hit]:
+def of_table(facts: CardFacts) -> Hits:
     """A wire has the forces of the table."""
     if isinstance(fit := facts.fit, TesterFit) and fit.wire is not None:
         share = fit.wire.worst_by_rod / float(np.max(fit.table.forces))
@@ -110,7 +109,7 @@ def of_table(facts: CardFacts) -> Iterator[Hit]:
                     for hit in by_table(facts))  # fmt: skip
 
 
-def by_table(facts: CardFacts) -> Iterator[Hit]:
+def by_table(facts: CardFacts) -> Hits:
     """What the table says by itself."""
     if isinstance(fit := facts.fit, TesterFit):
         bind = Amount("solid_height", fit.solid_height[0]) if fit.bound and fit.solid_height else ""
@@ -128,7 +127,7 @@ def bar(estimate: tuple[float, float]) -> tuple[float, float]:
 def doubts_of(code: str) -> Condition:
     """The condition that the table has a doubt of this code."""
 
-    def hits(facts: CardFacts) -> Iterator[Hit]:
+    def hits(facts: CardFacts) -> Hits:
         """The table can hardly be that of the spring."""
         doubts = facts.fit.table.doubts if isinstance(facts.fit, TesterFit) else ()
         for doubt in (doubt for doubt in doubts if doubt.code == code):
@@ -137,7 +136,7 @@ def doubts_of(code: str) -> Condition:
     return hits
 
 
-def in_engine(facts: CardFacts) -> Iterator[Hit]:
+def in_engine(facts: CardFacts) -> Hits:
     """What a wire has in an engine that its card alone has not."""
     for fit in (fit for fit in facts.by_card if fit.card.top_outer_diameter is None):
         wire, card = fit.definition, fit.card
@@ -150,7 +149,7 @@ def in_engine(facts: CardFacts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-def noted(facts: CardFacts) -> Iterator[Hit]:
+def noted(facts: CardFacts) -> Hits:
     """Something was found in the table, such as unloading besides loading."""
     if isinstance(facts.fit, TesterFit) and facts.fit.table.notes:
         yield Hit(fields={"said": facts.fit.table.notes})
@@ -159,7 +158,7 @@ def noted(facts: CardFacts) -> Iterator[Hit]:
 def left(code: str, text: str, remark: str, *words: str) -> Rule:
     """The rule that says what is assumed where a fit leaves any of ``words`` open."""
 
-    def hits(facts: CardFacts) -> Iterator[Hit]:
+    def hits(facts: CardFacts) -> Hits:
         """The card or the table leaves it open."""
         fit = facts.fit.wire if isinstance(facts.fit, TesterFit) else facts.fit
         for word in set(words).intersection(fit.free if fit else ()):
