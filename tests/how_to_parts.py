@@ -237,7 +237,7 @@ def rows_of_study(guide: Guide) -> dict[str, Any]:
         point = {"engine_speed": run[0], **dict(zip(plan.varied.names, draw, strict=True))}
         nothing = point | dict.fromkeys(plan.outputs, 0.0)
         if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
-            outcome = plan.evaluation.evaluate(draw, Task(run, plan.evaluation.outputs.request))
+            outcome = plan.experiment.evaluate(draw, Task(run, plan.experiment.outputs.request))
             assert outcome.status.completed, outcome.status.sentence()
             answer["rows"].append(point | dict(outcome.values))
     return answer

@@ -38,9 +38,9 @@ def case_is_measured(text: FileText[OptimumModel]) -> None:
     plan = read_optimum(text)
     assert search_cost(plan, 2).seconds < 600  # within the usual bound
     case = case_of_plan(plan)
-    with Engine([plan.evaluation], 1, None) as engine:
+    with Engine([plan.experiment], 1, None) as engine:
         (measured,) = measure_designs(
-            engine, plan.evaluation, [case], plan.measures, plan.rest_model
+            engine, plan.experiment, [case], plan.measures, plan.rest_model
         )
     assert (
         not measured.failure

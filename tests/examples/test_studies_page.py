@@ -23,11 +23,11 @@ BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 def first_point_runs(plan) -> None:
     draws = plan.sampler.draw(plan.varied, plan.options)
-    outcome = plan.evaluation.evaluate(
-        draws[0], Task(plan.runs[0], plan.evaluation.outputs.request)
+    outcome = plan.experiment.evaluate(
+        draws[0], Task(plan.runs[0], plan.experiment.outputs.request)
     )
     assert outcome.status.completed, outcome.status.sentence()
-    quantities = plan.evaluation.outputs.quantities  # limit speeds take many runs
+    quantities = plan.experiment.outputs.quantities  # limit speeds take many runs
     assert set(outcome.values) == set(quantities) or not quantities
 
 

@@ -179,7 +179,7 @@ def test_a_study_of_functions_is_saved_without_the_function(tmp_path):
         found.to_xarray()
     )
     with pytest.raises(InputError, match="the function 'double' is not in the file"):
-        again.plan.evaluation.outputs.function(size=1.0)
+        again.plan.experiment.outputs.function(size=1.0)
 
 
 def test_every_result_with_a_page_writes_it(tmp_path):

@@ -115,6 +115,6 @@ def test_the_cost_of_limit_speeds_is_estimated_before(folder):
         return read_plan(FileText(text + more, "study", folder, StudyModel))
 
     plans = plan(""), plan(LIMIT.format("float", "5000:9000:1000 rpm"))
-    assert [len(one.evaluation.tasks) for one in plans] == [1, 2]
+    assert [len(one.experiment.tasks) for one in plans] == [1, 2]
     alone, both = (estimate_study(one, 1) for one in plans)
     assert both.seconds > 10 * alone.seconds

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from valvetrain.explore.engine import Engine, Evaluation
+from valvetrain.explore.engine import Engine, Experiment
 from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
@@ -154,7 +154,7 @@ def tasks_of(measures: Sequence[Measure], rest_model: str) -> dict[Place, Task]:
 
 def measure_designs(
     engine: Engine,
-    evaluation: Evaluation,
+    experiment: Experiment,
     designs: Sequence[Values],
     measures: Sequence[Measure],
     rest_model: str = "",
@@ -174,11 +174,11 @@ def measure_designs(
             if not one.failure and not (stage == LIMIT and stop is not None and stop(one.values))
         ]
         tasks = tasks_of(here, rest_model)
-        jobs = [(evaluation, designs[place], task) for place in going for task in tasks.values()]
+        jobs = [(experiment, designs[place], task) for place in going for task in tasks.values()]
         outcomes = iter(engine.outcomes(jobs))
         for place in going:
             answers = {key: next(outcomes) for key in tasks}
-            results[place] = _with_answers(results[place], here, answers, evaluation.case)
+            results[place] = _with_answers(results[place], here, answers, experiment.case)
     return results
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Evaluation, Plan
+from valvetrain.explore.engine import Experiment, Plan
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
     Constraint,
@@ -93,7 +93,7 @@ class OptimumPlan(Plan):
     @property
     def seconds(self) -> float:
         """Estimated seconds of one core for a design whose limit speeds are searched to the end."""
-        return sum(seconds_of(self.evaluation, task) for task in self.tasks)
+        return sum(seconds_of(self.experiment, task) for task in self.tasks)
 
     def values(self, shares: Array) -> Array:
         """Values (d, SI) of a point (d,) of the unit cube."""
@@ -158,7 +158,7 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
 
 
 def plan_of_experiment(
-    experiment: Evaluation,
+    experiment: Experiment,
     objective: Sequence[Mapping[str, Any]],
     constraint: Sequence[Mapping[str, Any]],
     search: Mapping[str, Any],
@@ -269,8 +269,8 @@ def _plan(
     )
     goals: list[Any] = [*objectives, *constraints]
     outputs = Outputs([one.measure.quantity for one in goals], function=function)
-    evaluation = Evaluation(case, Space([_in_order(one) for one in space]), outputs)
+    experiment = Experiment(case, Space([_in_order(one) for one in space]), outputs)
     return OptimumPlan(
-        evaluation=evaluation, title=model.title or f"{evaluation.name}: {objectives[0].measure.label}", description=model.description,
+        experiment=experiment, title=model.title or f"{experiment.name}: {objectives[0].measure.label}", description=model.description,
         objectives=objectives, constraints=constraints, search=model.search, rest_model=model.rest_model,
     )  # fmt: skip

@@ -68,7 +68,7 @@ def run_search(
         watch.admit(search_cost(plan, count), execution.limit, work, FEWER)
         with quiet_optuna():
             pass  # a library that is not installed is said before the first run
-        with Engine((plan.evaluation,), count, execution.output) as points:
+        with Engine((plan.experiment,), count, execution.output) as points:
             return _Search(plan, points, watch.report).run()
 
 
@@ -130,7 +130,7 @@ class _Search:
 
         stop = misses if spare else None
         measures, rest = plan.measures, plan.rest_model
-        return measure_designs(self.points, plan.evaluation, designs, measures, rest, stop)
+        return measure_designs(self.points, plan.experiment, designs, measures, rest, stop)
 
     def round(self, shares: Sequence[Array], spare: bool) -> list[Trial]:
         """The trials at points of the unit cube, a few batches of them at a time."""
@@ -176,7 +176,7 @@ class _Search:
         self.progress(0.99, "error bars")
         values = trial.values.tolist() if trial.number else []
         searched = {one.quantity for one in plan.measures}
-        every = (row for run in runs for row in plan.evaluation.error_bars(values, run))
+        every = (row for run in runs for row in plan.experiment.error_bars(values, run))
         bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
         return tuple(bars.values())
 

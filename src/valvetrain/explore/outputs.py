@@ -231,12 +231,10 @@ class Outputs:
             isinstance(speeds, tuple) and all(isinstance(one, float) for one in speeds)
         ):
             speeds = si_speeds(speeds)
-        for name, value in zip(
-            self.__dataclass_fields__,
-            (names, speeds, models, sets, rest_model, limits, function),
-            strict=True,
-        ):
-            object.__setattr__(self, name, value)
+        vars(self).update(
+            quantities=names, engine_speeds=speeds, spring_models=models, spring_sets=sets, rest_model=rest_model,
+            limit_speeds=limits, function=function,
+        )  # fmt: skip
 
     @property
     def request(self) -> PointRequest:

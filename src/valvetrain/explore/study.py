@@ -13,7 +13,7 @@ from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Engine, Evaluation, Interrupted
+from valvetrain.explore.engine import Engine, Experiment, Interrupted
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -102,7 +102,7 @@ def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
     return ""
 
 
-def refuse_limits(experiment: Evaluation) -> None:
+def refuse_limits(experiment: Experiment) -> None:
     """Raise :class:`InputError` for a limit speed that no point of the experiment can have."""
     for limit in experiment.outputs.limit_speeds:
         if experiment.case is None:
@@ -115,7 +115,7 @@ def refuse_limits(experiment: Evaluation) -> None:
             )
 
 
-def refuse_missing(engine: Engine, experiment: Evaluation) -> None:
+def refuse_missing(engine: Engine, experiment: Experiment) -> None:
     """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
     the quantity of a limit.
     """
@@ -148,7 +148,7 @@ INTERRUPTED = Status(
 
 @shows_progress("study")
 def run_experiment(
-    experiment: Evaluation,
+    experiment: Experiment,
     sampler: SamplerSpec,
     options: Mapping[str, Any],
     *,
@@ -157,7 +157,7 @@ def run_experiment(
 ) -> StudyTable:
     """The table of an experiment by a sampler; see the verbs of :class:`valvetrain.Experiment`."""
     title, read = f"{experiment.name}: {sampler.shown_name}", sampler.read_options(dict(options))
-    plan = StudyPlan(evaluation=experiment, title=title, sampler=sampler, options=read)
+    plan = StudyPlan(experiment=experiment, title=title, sampler=sampler, options=read)
     return run_plan(plan, Execution.read(execution), Watch(progress or silent))
 
 
@@ -171,7 +171,7 @@ def run_plan(
     """
     begun = time.perf_counter()
     with on_cluster(execution.dask, execution.workers) as count:
-        draws, experiment = plan.draws(), plan.evaluation
+        draws, experiment = plan.draws(), plan.experiment
         cost, total = estimate_study(plan, count), len(draws) * len(experiment.tasks)
         watch.admit(cost, execution.limit, f"{total} points")
 
@@ -199,7 +199,7 @@ def run_plan(
 
 
 def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
-    experiment, statuses = plan.evaluation, list[Status]()
+    experiment, statuses = plan.experiment, list[Status]()
     values = np.full((len(draws) * len(plan.runs), len(plan.outputs)), np.nan)
     for row, run in itertools.product(draws, plan.runs):
         status = COMPLETED
@@ -238,7 +238,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Cost:
     """Estimated cost of a plan, from its request alone; of a limit speed with its whole grid and
     the speeds between.
     """
-    draws, experiment = len(plan.draws()), plan.evaluation
+    draws, experiment = len(plan.draws()), plan.experiment
     refuse_limits(experiment)
     refuse_outputs(experiment.case, experiment.tasks)
     seconds = sum(seconds_of(experiment, task) for task in experiment.tasks)
@@ -247,7 +247,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Cost:
     return Cost(draws * seconds / max(1, workers), memory)
 
 
-def seconds_of(experiment: Evaluation, task: Task) -> float:
+def seconds_of(experiment: Experiment, task: Task) -> float:
     """Estimated seconds of one core for a task of one point."""
     run, request, limit = task
     if limit is not None:
@@ -315,14 +315,14 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
             limit_speeds=model.limit_speed,
         ),
     )
-    experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))
+    experiment = text.guarded(("engine_speeds",), lambda: Experiment(case, space, outputs))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     tasks = text.guarded(("engine_speeds",), lambda: experiment.tasks)
     for key, limits in (("outputs", False), ("limit_speed", True)):
         some = [one for one in tasks if (one.limit is not None) == limits]
         text.guarded((key,), lambda some=some: refuse_outputs(case, some))
     title = model.title or f"{case.name}: {spec.shown_name}"
-    plan = StudyPlan(evaluation=experiment, title=title, description=model.description, sampler=spec, options=options)  # fmt: skip
+    plan = StudyPlan(experiment=experiment, title=title, description=model.description, sampler=spec, options=options)  # fmt: skip
     if spec.word == "posterior":
         text.guarded(("points",), plan.draws)
     return plan

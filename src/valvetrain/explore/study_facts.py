@@ -150,7 +150,7 @@ class StudyFacts(Subject):
     @property
     def limits(self) -> dict[str, tuple[float, ...]]:
         """Limit speed -> the engine speeds (rad/s) over which it was searched."""
-        searches = self.table.plan.evaluation.outputs.limit_speeds
+        searches = self.table.plan.experiment.outputs.limit_speeds
         return {one.name: one.engine_speeds for one in searches}
 
     def sign(self, name: str) -> int:

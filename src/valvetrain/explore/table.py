@@ -41,12 +41,12 @@ class StudyPlan(Plan):
     @property
     def runs(self) -> tuple[Run, ...]:
         """Runs of every draw."""
-        return self.evaluation.runs
+        return self.experiment.runs
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs: quantities of the runs, then limit speeds."""
-        outputs = self.evaluation.outputs
+        outputs = self.experiment.outputs
         return (*outputs.quantities, *(one.name for one in outputs.limit_speeds))
 
     def draws(self) -> Array:
@@ -111,7 +111,7 @@ class StudyTable(Reported):
         rows = [row for row in dict.fromkeys((0, *least)) if len(self) and self.completed[row]]
         found = {}
         for row in rows[:MAX_BARRED]:
-            bars = self.plan.evaluation.error_bars(self.inputs[row].tolist(), self.runs[row])
+            bars = self.plan.experiment.error_bars(self.inputs[row].tolist(), self.runs[row])
             found[row] = {one.quantity: one for one in bars if one.quantity in self.outputs}
         return found
 
@@ -174,7 +174,7 @@ class StudyTable(Reported):
         axes = [list(dict.fromkeys(column)) for column in zip(*self.plan.runs, strict=True)]
         shape = (-1, *map(len, axes))
         dims, still = ("point", "speed", "model", "spring_set"), ("point", "model", "spring_set")
-        limits = [one.name for one in self.plan.evaluation.outputs.limit_speeds]
+        limits = [one.name for one in self.plan.experiment.outputs.limit_speeds]
         data: dict[str, Any] = {}
         for name, column in zip(self.outputs, self.values.T, strict=True):
             numbers = column.reshape(shape)
