@@ -19,7 +19,7 @@ from valvetrain.api.parts import Train as Train
 from valvetrain.citations import cite as cite
 from valvetrain.errors import InputError as InputError
 from valvetrain.errors import ValvetrainError as ValvetrainError
-from valvetrain.explore.engine import Experiment as Experiment
+from valvetrain.explore.experiment import Experiment as Experiment
 from valvetrain.explore.outputs import Outputs as Outputs
 from valvetrain.explore.requests import identify as identify
 from valvetrain.explore.requests import optimise as optimise

@@ -21,9 +21,9 @@ from study_parts import identification_plan
 from valvetrain.cli.main import app
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.evaluate import Point, evaluate_case
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.identify import run_identification
 from valvetrain.explore.observe import numbers_of
-from valvetrain.explore.requests import Execution
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
 

@@ -12,9 +12,9 @@ import pytest
 
 from study_parts import identification_plan
 from unit.cli_parts import call
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.identification_answer import IdentificationAnswer
 from valvetrain.explore.identify import run_identification
-from valvetrain.explore.requests import Execution
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
 FILE = """

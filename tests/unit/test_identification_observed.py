@@ -10,11 +10,11 @@ import pytest
 import valvetrain as vt
 from study_parts import identification_plan
 from valvetrain.errors import InputError
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identify import run_identification
 from valvetrain.explore.observe import Target, numbers_of
 from valvetrain.explore.outputs import Run
-from valvetrain.explore.requests import Execution
 from valvetrain.parameters.toml_text import toml_text
 
 WIRE = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore.engine import Experiment
+from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, limit_of
 from valvetrain.explore.measure import REST, RUNS, Measure, measure_designs
 from valvetrain.explore.outputs import LimitSearch, Outcome, Outputs, Run, limit_search
@@ -14,7 +14,7 @@ from valvetrain.solution.status import COMPLETED, Status
 
 AT_REST = (Run(None, "massless"),)
 RUNNING = tuple(Run(speed, "massless") for speed in (400.0, 500.0))
-FUNCTION = Experiment(None, Space({}), Outputs("number", function=print))
+FUNCTION = Evaluation(None, Space({}), Outputs("number", function=print))
 
 
 class Recording:
@@ -73,7 +73,7 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(
     monkeypatch.setattr("valvetrain.explore.engine.evaluate", point)
     search = LimitSearch("peak_spring_force", True, 5.0, (100.0, 200.0, 300.0), 25.0, share)
     outputs = Outputs(spring_models="massless", limit_speeds=[search])
-    experiment = Experiment("job-c", Space({}), outputs)
+    experiment = Evaluation("job-c", Space({}), outputs)
     (task,) = experiment.tasks
     outcome = experiment.evaluate((), task)
     assert outcome.status.completed == (due is not None)

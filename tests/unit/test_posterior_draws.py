@@ -9,8 +9,8 @@ import pytest
 
 import valvetrain as vt
 from study_parts import identification_plan
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.identify import run_identification
-from valvetrain.explore.requests import Execution
 
 QUANTITIES = """
 [quantities.rate]

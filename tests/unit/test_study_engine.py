@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.files import FileText
 from valvetrain.explore.outputs import Outcome
-from valvetrain.explore.requests import Execution
 from valvetrain.explore.study import (
     StudyModel,
     estimate_study,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.engine import Experiment
+from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.outputs import Outputs
 from valvetrain.explore.samplers import listed, sampler
 from valvetrain.explore.space import Space, Uniform, Values, Varied
@@ -62,14 +62,14 @@ def space(**more) -> Space:
 
 def of_function(function, word: str, **options) -> StudyTable:
     names = ("seating_velocity", "clash_energy") if function is not noise else "seating_velocity"
-    experiment = Experiment(None, space(), Outputs(names, function=function))
+    experiment = Evaluation(None, space(), Outputs(names, function=function))
     return run_experiment(experiment, sampler(word), options, workers=1)
 
 
 def along_lash(function, count: int = 11) -> StudyTable:
     """A grid along the lash alone."""
     one = Space([Varied("lash", distribution=Values(tuple(np.linspace(0, 1, count)))), Varied("width")])  # fmt: skip
-    experiment = Experiment(
+    experiment = Evaluation(
         None, one, Outputs(("seating_velocity", "clash_energy"), function=function)
     )
     return run_experiment(experiment, sampler("grid"), {}, workers=1)
@@ -104,7 +104,7 @@ def cards(load: str) -> StudyTable:
 
     case = parse_case(template_text("pushrod", cards=True))
     one = Varied("train.springs.dual.0.open_load", "N", distribution=Values((1040.0, float(load))))
-    experiment = Experiment(case, Space([one]), Outputs("outer_card_rate", spring_set="dual"))
+    experiment = Evaluation(case, Space([one]), Outputs("outer_card_rate", spring_set="dual"))
     return run_experiment(experiment, listed(np.array([[1040.0], [float(load)]])), {}, workers=1)
 
 
@@ -218,7 +218,7 @@ def test_zero_lash_is_no_choice():
     assert best["best"] == 0  # a function has no lash of a train
     one = Space([Varied("train.lash", "mm", distribution=Values((0.0, 1e-4, 2e-4)))])
     values = np.array([[0.1], [0.2], [0.3]])
-    plan = replace(table("map").plan, experiment=Experiment(None, one, Outputs("seating_velocity", function=linear)))  # fmt: skip
+    plan = replace(table("map").plan, experiment=Evaluation(None, one, Outputs("seating_velocity", function=linear)))  # fmt: skip
     made = replace(table("map"), plan=plan, inputs=1e-4 * np.array([[0.0], [1.0], [2.0]]), values=values,
                    runs=plan.runs * 3, statuses=table("map").statuses[:3])  # fmt: skip
     assert StudyFacts(made).ends["best"] == 1

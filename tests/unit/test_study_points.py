@@ -14,7 +14,7 @@ from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate, study
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
-from valvetrain.explore.engine import Experiment
+from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Space, Uniform, Values, Varied
@@ -101,7 +101,7 @@ def test_a_case_that_a_program_changed_part_by_part_is_refused():
     with pytest.raises(InputError):
         vary(case, {Varied("spring.precompression", "mm", "offset"): 1e-4})
     with pytest.raises(InputError):
-        Experiment(case, Space({"spring.precompression": [6e-3]}), Outputs("preload"))
+        Evaluation(case, Space({"spring.precompression": [6e-3]}), Outputs("preload"))
     assert vary(case, {Varied(ENGINE_SPEED, "rpm"): 700.0}) is case
 
 
@@ -109,7 +109,7 @@ def test_a_case_that_a_program_changed_part_by_part_is_refused():
 def test_speeds_of_a_case_are_not_varied_without_effect(key):
     """The runs of a study have speeds of their own: every point would be the same run."""
     with pytest.raises(InputError, match=ENGINE_SPEED):
-        Experiment(BEEHIVE, Space({key: [500.0, 600.0]}), Outputs("peak_spring_force"))
+        Evaluation(BEEHIVE, Space({key: [500.0, 600.0]}), Outputs("peak_spring_force"))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 import valvetrain as vt
 from train_parts import SINGLE_MASS
 from unit.cli_parts import SMALL
-from valvetrain.explore.engine import Engine, Experiment
+from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.study import refuse_outputs
@@ -28,7 +28,7 @@ def case_of(tmp_path, text: str) -> vt.Case:
 def refuse(case: vt.Case, name: str, models, key: str) -> None:
     space = vt.Space({key: vt.Uniform(1.0, 2.0)})
     outputs = vt.Outputs(name, engine_speeds=(SPEED,), spring_models=models)
-    refuse_outputs(case, Experiment(case, space, outputs).tasks)
+    refuse_outputs(case, Evaluation(case, space, outputs).tasks)
 
 
 @pytest.mark.parametrize("model", ["massless", "modal-varied", "multi-mass", "finite-element"])

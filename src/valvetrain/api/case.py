@@ -21,7 +21,7 @@ from valvetrain.units import known_arguments, numbers_of, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
-    from valvetrain.explore.engine import Experiment
+    from valvetrain.explore.experiment import Experiment
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.table import StudyTable
@@ -449,7 +449,7 @@ class Case:
     def _experiment(
         self, varied: Mapping[str, Any], outputs: Any, speeds: Any, models: Any, sets: Any
     ) -> Experiment:
-        from valvetrain.explore.engine import Experiment
+        from valvetrain.explore.experiment import Experiment
         from valvetrain.explore.outputs import Outputs
         from valvetrain.explore.space import Prior, Space, Values
 

@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.own_parts import part_digest
 
 if TYPE_CHECKING:
-    from valvetrain.explore.engine import Experiment
+    from valvetrain.explore.experiment import Experiment
     from valvetrain.solution.study import Study
 
 Output = str | Callable[..., float]
@@ -113,7 +113,8 @@ def experiment_of_points(
     """The experiment of a case with functions among its ``outputs`` or values. Raises
     :class:`InputError` for an unknown quantity and several models.
     """
-    from valvetrain.explore.engine import Experiment, with_case_units
+    from valvetrain.explore.engine import with_case_units
+    from valvetrain.explore.experiment import Experiment
     from valvetrain.explore.outputs import Outputs
     from valvetrain.explore.space import Prior, Space, Values
     from valvetrain.solution.definition import is_defined, no_quantity

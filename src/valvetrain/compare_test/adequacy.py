@@ -12,11 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import chdtri, fdtrc, fdtri, stdtr, stdtrit
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.parameters.summary import number
 
@@ -298,7 +297,7 @@ class DifferenceBand:
     level: float = LEVEL
 
     @property
-    def outside(self) -> NDArray[np.bool_]:
+    def outside(self) -> Flags:
         """Angles at which the band leaves zero out: of a true model one turn in twenty has any."""
         return np.abs(self.difference) > self.half_width
 

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.compare_test.adequacy import (
     LEVEL,
     MIN_REPEATS,
@@ -274,7 +273,7 @@ def _stage(
     curve: Array,
     values: Array,
     weights: Array,
-    inside: NDArray[np.bool_],
+    inside: Flags,
     band: DifferenceBand | None,
 ) -> StageRow:
     shares = weights[inside] / weights[inside].sum()

@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.continuum import brick_kernels as kern
 from valvetrain.continuum.mesh import NODE_COORDINATES, gauss_points, shape_gradients
 from valvetrain.errors import InputError
 from valvetrain.parameters.material import Material
 
-Integers = NDArray[np.int64]
+Integers = Ints
 
 #: Hourglass modes of the corners, in the order of :data:`brick_kernels.SIGNS`.
 _MODES = np.stack(

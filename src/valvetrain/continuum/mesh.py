@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.continuum.section import SectionMesh, disc_section, ground_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
-Integers = NDArray[np.int64]
+Integers = Ints
 
 
 @dataclass(frozen=True)
@@ -124,7 +123,7 @@ def gauss_points(order: int = 3) -> tuple[Array, Array]:
     return grid, weights
 
 
-def jacobian_determinants(coordinates: Array, elements: NDArray[np.int64], points: Array) -> Array:
+def jacobian_determinants(coordinates: Array, elements: Ints, points: Array) -> Array:
     """Determinants (elements, points) of the map from the reference cube; positive everywhere in a
     usable mesh.
     """
@@ -134,7 +133,7 @@ def jacobian_determinants(coordinates: Array, elements: NDArray[np.int64], point
     return found
 
 
-def volume(coordinates: Array, elements: NDArray[np.int64]) -> float:
+def volume(coordinates: Array, elements: Ints) -> float:
     """Volume (m3 for coordinates in m) of all elements by 3 x 3 x 3 Gauss points."""
     points, weights = gauss_points(3)
     return float(np.sum(jacobian_determinants(coordinates, elements, points) @ weights))

@@ -11,9 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
@@ -33,9 +32,9 @@ class SectionMesh:
     """
 
     nodes: Array
-    quads: NDArray[np.int64]
-    corner: NDArray[np.bool_]
-    rim_quads: NDArray[np.int64]
+    quads: Ints
+    corner: Flags
+    rim_quads: Ints
 
     @property
     def rim_angles(self) -> Array:
@@ -132,7 +131,7 @@ def _core_rim(side_position: float) -> tuple[float, float]:
     return _core_map(*((1.0, step), (1 - step, 1.0), (0.0, 1 - step), (step, 0.0))[side])
 
 
-def _area(nodes: Array, quads: NDArray[np.int64], quadratic: bool) -> float:
+def _area(nodes: Array, quads: Ints, quadratic: bool) -> float:
     """Area inside all sides by Green's theorem; Simpson's rule is exact for a side through three
     points.
     """
@@ -206,7 +205,7 @@ def _cut_below(section: SectionMesh, nodes: Array, level: float) -> Array:
     return _straightened(section, mapped, to_circle <= to_plane)
 
 
-def _straightened(section: SectionMesh, mapped: Array, round_side: NDArray[np.bool_]) -> Array:
+def _straightened(section: SectionMesh, mapped: Array, round_side: Flags) -> Array:
     """Edge middles put between their corners, except on edges of the uncut circle: a middle next to
     a kink folds an element.
     """

@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw
 from valvetrain.continuum import contact_kernels
 from valvetrain.continuum.bricks import Bricks, sweep_bricks
@@ -19,7 +18,7 @@ from valvetrain.cosserat.contact_line import span_weights, true_distance
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 
-Integers = NDArray[np.int64]
+Integers = Ints
 
 #: Places of the contact points in the span of a station, and pairs of coils per turn of contact that
 #: are reported.
@@ -46,7 +45,7 @@ class ContactPoints(NamedTuple):
     pair: Integers
     foot: Array
     apart: Array
-    near: NDArray[np.bool_]
+    near: Flags
     drag: Array
     pressed: Array
     peak: Array

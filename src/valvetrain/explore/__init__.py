@@ -1,6 +1,6 @@
 """Study, optimise, identify: one engine behind three commands.
 
-Begin in ``engine.py``: an `Experiment` evaluates `Outputs` (``outputs.py``) of a case over a `Space` (``space.py``) by an `Engine`,
+Begin in ``experiment.py``: an `Experiment` evaluates `Outputs` (``outputs.py``) of a case over a `Space` (``space.py``) by ``engine.py``,
 which stores finished points in ``store.py``; ``study.py``, ``optimise.py`` and ``identify.py`` read a file and call it.
 """
 

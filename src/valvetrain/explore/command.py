@@ -14,7 +14,8 @@ from valvetrain.cli.outcome import WORTH_SAYING, at_end, deliver, tell
 from valvetrain.cli.parts import PartsLine, answer_parts
 from valvetrain.cli.request import CommandLine, command_of
 from valvetrain.cli.run_answer import show_page
-from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study, Watch
+from valvetrain.explore.execution import Watch
+from valvetrain.explore.requests import FileRequest, Identify, Optimise, Study
 from valvetrain.runs.requests import Parts
 
 if TYPE_CHECKING:

@@ -11,20 +11,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
+from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
-from valvetrain.explore.requests import silent
 from valvetrain.explore.samplers import needs
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress
 
-Labels = NDArray[np.int64]
+Labels = Ints
 #: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
 #: points computed between them.
 DIP, BETWEEN = 2.0, 7

@@ -13,10 +13,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case
@@ -30,19 +29,10 @@ from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.own_parts import part_digest
 from valvetrain.quantities.request import PointRequest
-from valvetrain.runs.stopping import Stopped, shows_progress
-from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, Progress, StandingPool
+from valvetrain.runs.stopping import Stopped
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
 from valvetrain.solution.uncertainty import Uncertainty
-
-if TYPE_CHECKING:
-    import xarray
-
-    from valvetrain.explore.identification_file import Search
-    from valvetrain.explore.identified import Identified
-    from valvetrain.explore.optimum import Optimum
-    from valvetrain.explore.posterior import Datum
-    from valvetrain.explore.table import StudyTable
 
 #: Jobs that are submitted at a time, which bounds memory and the wait for any of them.
 JOBS = 512
@@ -98,23 +88,8 @@ Job = tuple[int, tuple[float, ...], Any]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Experiment(Computation):
-    """Outputs over a space: of a ``case`` (a :class:`Case`, a name of the library or the path of a
-    file), or of the function of ``outputs`` where it is None.
-
-    ``runs``: engine speed, spring model and set of each run of a point; by default those of
-    ``outputs``. The options of the verbs: ``workers`` (points at a time, all cores by default),
-    ``dask`` (a cluster), ``output`` (folder of the finished points: an interrupted verb continues
-    there), ``limit`` (largest time and memory, such as ``"2 h, 8 GB"``) and ``progress``. Results
-    depend on none of them.
-
-    >>> import valvetrain as vt
-    >>> space = vt.Space({"spring.precompression": vt.explore.Prior("uniform", 6e-3, 8e-3)})
-    >>> outputs = vt.Outputs(["peak_spring_force"], engine_speeds="4000 rpm", spring_models=["massless"])
-    >>> found = vt.Experiment("job-c", space, outputs).run([[6e-3], [8e-3]], workers=1)
-    >>> found.peak_spring_force.dims, found.status.values.ravel().tolist()
-    (('point', 'speed', 'model'), ['completed', 'completed'])
-    """
+class Evaluation(Computation):
+    """``outputs`` of a ``case``, or of their function where it is None, at every point of a space."""
 
     case: Case | None
     space: Space
@@ -211,87 +186,12 @@ class Experiment(Computation):
             return name
         return ": ".join(filter(None, (task.run.label, name)))
 
-    # -- verbs --
-
-    def run(self, points: ArrayLike, **options: Any) -> xarray.Dataset:
-        """Outputs at ``points`` (n, d) in SI: a Dataset over point, speed and model, with the
-        status of every run of every point.
-        """
-        return self.table(points, **options).to_xarray()
-
-    def table(self, points: ArrayLike, **options: Any) -> StudyTable:
-        """The same as a :class:`StudyTable`."""
-
-        from valvetrain.explore.samplers import listed
-        from valvetrain.explore.study import run_experiment
-
-        given = np.atleast_2d(np.asarray(points, dtype=float))
-        if given.shape[1] != len(self.space):
-            raise InputError(
-                f"a point has {len(self.space)} values; given are {given.shape[1]}", "points"
-            )
-        return run_experiment(self, listed(given), {}, **options)
-
-    def sample(
-        self,
-        sampler: str = "sobol",
-        options: Mapping[str, Any] | None = None,
-        **execution: Any,
-    ) -> StudyTable:
-        """Points that a ``sampler`` draws with its ``options`` (docs/studies.md), such as
-        ``{"count": 200, "seed": 1}``; those of ``saltelli`` with Sobol indices, ``sensitivities``.
-        """
-
-        from valvetrain.explore.samplers import sampler as find_sampler
-        from valvetrain.explore.study import run_experiment
-
-        return run_experiment(self, find_sampler(sampler, "sampler"), options or {}, **execution)
-
-    @shows_progress("optimise")
-    def optimise(
-        self,
-        objective: Sequence[Mapping[str, Any]],
-        constraint: Sequence[Mapping[str, Any]] = (),
-        search: Mapping[str, Any] | None = None,
-        *,
-        progress: Progress | None = None,
-        **execution: Any,
-    ) -> Optimum:
-        """The best point by objectives within constraints; tables as in an optimisation file
-        (docs/optimisation.md), such as ``{"quantity": "preload", "direction": "minimise"}``.
-        """
-        from valvetrain.explore.objective import plan_of_experiment
-        from valvetrain.explore.optimise import run_search
-        from valvetrain.explore.requests import Execution, Watch, silent
-
-        plan = plan_of_experiment(self, objective, constraint, search or {})
-        return run_search(plan, Execution.read(execution), Watch(progress or silent))
-
-    @shows_progress("identify")
-    def calibrate(
-        self,
-        measurements: Sequence[Datum],
-        search: Search | None = None,
-        *,
-        progress: Progress | None = None,
-        **execution: Any,
-    ) -> Identified:
-        """The quantities that agree with measurements, with the distributions of the space as
-        priors. The key of a datum is that of ``key_of_output``.
-        """
-        from valvetrain.explore.identification_file import IdentificationPlan, Search
-        from valvetrain.explore.identify import run_identification
-        from valvetrain.explore.requests import Execution, Watch, silent
-
-        plan = IdentificationPlan(self.space, tuple(measurements), self, search=search or Search())
-        return run_identification(plan, Execution.read(execution), Watch(progress or silent))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plan:
     """What a study or a search does with an ``experiment``."""
 
-    experiment: Experiment
+    experiment: Evaluation
     title: str = ""
     description: str = ""
 

@@ -11,10 +11,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.explore.draws import even_places
 from valvetrain.explore.least_squares import Fit, Information
@@ -130,7 +129,7 @@ class Identified(Reported):
     unknowns: tuple[Varied, ...]
     branches: tuple[Branch, ...]
     values: Array
-    branch_of: NDArray[np.int64]
+    branch_of: Ints
     predicted: tuple[Predicted, ...]
     predictions: tuple[Prediction, ...]
     computed: Mapping[str, Array]

@@ -14,6 +14,7 @@ from valvetrain.arrays import Array
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.engine import Computation, Engine
+from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.identification_file import (
     IdentificationModel,
     IdentificationPlan,
@@ -22,7 +23,6 @@ from valvetrain.explore.identification_file import (
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.posterior import Evaluate, Numbers, Posterior
-from valvetrain.explore.requests import Execution, Watch
 from valvetrain.explore.solve import solve
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest

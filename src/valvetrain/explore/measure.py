@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from valvetrain.explore.engine import Engine, Experiment
+from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
@@ -154,7 +154,7 @@ def tasks_of(measures: Sequence[Measure], rest_model: str) -> dict[Place, Task]:
 
 def measure_designs(
     engine: Engine,
-    experiment: Experiment,
+    experiment: Evaluation,
     designs: Sequence[Values],
     measures: Sequence[Measure],
     rest_model: str = "",

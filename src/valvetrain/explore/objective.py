@@ -11,7 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Experiment, Plan
+from valvetrain.explore.engine import Evaluation, Plan
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
     Constraint,
@@ -158,7 +158,7 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
 
 
 def plan_of_experiment(
-    experiment: Experiment,
+    experiment: Evaluation,
     objective: Sequence[Mapping[str, Any]],
     constraint: Sequence[Mapping[str, Any]],
     search: Mapping[str, Any],
@@ -269,7 +269,7 @@ def _plan(
     )
     goals: list[Any] = [*objectives, *constraints]
     outputs = Outputs([one.measure.quantity for one in goals], function=function)
-    experiment = Experiment(case, Space([_in_order(one) for one in space]), outputs)
+    experiment = Evaluation(case, Space([_in_order(one) for one in space]), outputs)
     return OptimumPlan(
         experiment=experiment, title=model.title or f"{experiment.name}: {objectives[0].measure.label}", description=model.description,
         objectives=objectives, constraints=constraints, search=model.search, rest_model=model.rest_model,

@@ -17,6 +17,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Interrupted
 from valvetrain.explore.evaluate import doubts
+from valvetrain.explore.execution import Execution, Watch
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import (
     INCOMPLETE,
@@ -28,7 +29,6 @@ from valvetrain.explore.measure import (
 )
 from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Optimum
-from valvetrain.explore.requests import Execution, Watch
 from valvetrain.explore.search import Trial, best_of, quiet_optuna, search_from
 from valvetrain.explore.study import refuse_outputs
 from valvetrain.runs.cluster import on_cluster

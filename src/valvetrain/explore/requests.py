@@ -9,15 +9,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.runs.cost import FEWER, Cost, Limits, cost_text, refuse_cost
-from valvetrain.runs.request_fields import dask_option, option, read_count, read_path, read_text
-from valvetrain.runs.requests import Limited, Parallel
+from valvetrain.explore.execution import Execution, Watch, silent
+from valvetrain.runs.request_fields import option, read_count, read_text
 from valvetrain.runs.stopping import shows_progress
 
 if TYPE_CHECKING:
@@ -29,39 +27,6 @@ if TYPE_CHECKING:
     from valvetrain.explore.space import Prior
     from valvetrain.explore.table import StudyTable
     from valvetrain.runs.workers import Progress
-
-
-def silent(done: float, text: str) -> None:
-    """A report of progress that goes nowhere."""
-
-
-@dataclass(frozen=True)
-class Watch:
-    """Who watches: ``report`` is called with the share done and a text, ``announce`` with the estimated cost as a text and its
-    seconds before the start. ``raises``: how the limit of a request is raised.
-    """
-
-    report: Callable[[float, str], None] = silent
-    announce: Callable[[str, float], None] = lambda text, seconds: None
-    raises: str = "limit="
-
-    def admit(self, cost: Cost, limit: Limits, work: str, fewer: str = FEWER) -> None:
-        """Announce the ``work`` with its cost. Raises :class:`InputError` where that is beyond the limit."""
-        refuse_cost(cost, limit, self.raises, fewer)
-        self.announce(f"{work}, {cost_text(cost)}", cost.seconds)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Execution(Parallel, Limited):
-    """How points are computed: by which workers or cluster, where they are stored, and what they may cost."""
-
-    output: Path | None = option(
-        read_path,
-        "Folder of points and results; points that it holds are not computed again (default: runs/COMMAND/FILE).",
-        "--output",
-        "FOLDER",
-    )
-    dask: str = dask_option()
 
 
 #: The model of a file, what makes a plan of its text, and what computes the plan.

@@ -22,6 +22,7 @@ from valvetrain.explore.draws import (
     linear_draws,
     nested,
 )
+from valvetrain.explore.execution import silent
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     SHARES,
@@ -40,7 +41,6 @@ from valvetrain.explore.least_squares import (
     least_squares,
 )
 from valvetrain.explore.posterior import Evaluate, Posterior
-from valvetrain.explore.requests import silent
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import Progress

@@ -13,7 +13,8 @@ from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Engine, Experiment, Interrupted
+from valvetrain.explore.engine import Engine, Evaluation, Interrupted
+from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -25,7 +26,6 @@ from valvetrain.explore.files import (
 )
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.outputs import Outcome, Outputs, Task
-from valvetrain.explore.requests import Execution, Watch, silent
 from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.table import StudyPlan, StudyTable
@@ -102,7 +102,7 @@ def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
     return ""
 
 
-def refuse_limits(experiment: Experiment) -> None:
+def refuse_limits(experiment: Evaluation) -> None:
     """Raise :class:`InputError` for a limit speed that no point of the experiment can have."""
     for limit in experiment.outputs.limit_speeds:
         if experiment.case is None:
@@ -115,7 +115,7 @@ def refuse_limits(experiment: Experiment) -> None:
             )
 
 
-def refuse_missing(engine: Engine, experiment: Experiment) -> None:
+def refuse_missing(engine: Engine, experiment: Evaluation) -> None:
     """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
     the quantity of a limit.
     """
@@ -148,7 +148,7 @@ INTERRUPTED = Status(
 
 @shows_progress("study")
 def run_experiment(
-    experiment: Experiment,
+    experiment: Evaluation,
     sampler: SamplerSpec,
     options: Mapping[str, Any],
     *,
@@ -247,7 +247,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Cost:
     return Cost(draws * seconds / max(1, workers), memory)
 
 
-def seconds_of(experiment: Experiment, task: Task) -> float:
+def seconds_of(experiment: Evaluation, task: Task) -> float:
     """Estimated seconds of one core for a task of one point."""
     run, request, limit = task
     if limit is not None:
@@ -315,7 +315,7 @@ def read_plan(text: FileText[StudyModel]) -> StudyPlan:
             limit_speeds=model.limit_speed,
         ),
     )
-    experiment = text.guarded(("engine_speeds",), lambda: Experiment(case, space, outputs))
+    experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     tasks = text.guarded(("engine_speeds",), lambda: experiment.tasks)
     for key, limits in (("outputs", False), ("limit_speed", True)):

@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Plan
 from valvetrain.explore.evaluate import doubts
@@ -97,7 +96,7 @@ class StudyTable(Reported):
         return self.plan.outputs
 
     @cached_property
-    def completed(self) -> NDArray[np.bool_]:
+    def completed(self) -> Flags:
         """Which rows (n,) reached their end."""
         return np.array([one.completed for one in self.statuses], dtype=bool)
 
@@ -160,7 +159,7 @@ class StudyTable(Reported):
             )
         return self.inputs[:, names.index(name)]
 
-    def rows_of(self, run: Run) -> NDArray[np.int64]:
+    def rows_of(self, run: Run) -> Ints:
         """Rows of one run, in the order of the draws."""
         return np.arange(self.plan.runs.index(run), len(self), len(self.plan.runs))
 

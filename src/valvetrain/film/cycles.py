@@ -8,9 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
 
 TURN = 2 * np.pi
@@ -137,14 +136,12 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
     return float(start + off), float(start + length - off)
 
 
-def is_closed(cam_angle: Array, dwell: tuple[float, float]) -> NDArray[np.bool_]:
+def is_closed(cam_angle: Array, dwell: tuple[float, float]) -> Flags:
     """Whether the valve is closed at cam angles (rad) of any turn."""
     return np.asarray(np.mod(cam_angle - dwell[0], TURN) <= dwell[1] - dwell[0])
 
 
-def segments(
-    cam_angle: Array, number: NDArray[np.int64], dwell: tuple[float, float]
-) -> list[NDArray[np.int64]]:
+def segments(cam_angle: Array, number: Ints, dwell: tuple[float, float]) -> list[Ints]:
     """Frames of every dwell that the film shows whole and without a lost frame."""
     step = 1.01 * float(np.median(np.diff(cam_angle)))
     closed = is_closed(cam_angle, dwell)

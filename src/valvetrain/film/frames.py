@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.arrays import Ints
 from valvetrain.errors import InputError
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.bounded_file import file_head
@@ -76,7 +77,7 @@ class Film:
     rate: float = 0.0
     claimed: int = 0
     clock: list[float] = field(default_factory=list)
-    numbers: NDArray[np.int64] | None = None
+    numbers: Ints | None = None
     notes: tuple[str, ...] = ()
 
     def frames(self) -> Iterator[Picture]:
@@ -187,7 +188,7 @@ def _folder(path: Path) -> Film:
     numbers = np.array([int(found[-1]) if found else 0 for found in counted])
     steps = np.diff(numbers)
     step = max(1, int(np.median(steps))) if len(steps) else 1
-    counts: NDArray[np.int64] | None = (numbers - numbers[0]) // step
+    counts: Ints | None = (numbers - numbers[0]) // step
     notes: tuple[str, ...] = ()
     if (steps < 1).any() or (steps % step).any() or steps.sum() // step > 4 * len(files):
         counts = None

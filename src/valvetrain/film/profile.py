@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 
 #: A highlight exceeds its surroundings by this share of the picture's contrast; a number of coils is believed
@@ -28,7 +27,7 @@ class FoundCoils:
     highlights there; ``width`` (px) of one
     at half height; ``reach`` (px) to either side that its profile takes."""
 
-    frames: NDArray[np.int64]
+    frames: Ints
     places: Array
     width: float
     reach: float
@@ -225,7 +224,7 @@ def fit(
     return Fit(places, deviation, heights, noise)
 
 
-def light_of(picture: Array, clear: NDArray[np.int64]) -> Array:
+def light_of(picture: Array, clear: Ints) -> Array:
     """Brightness of the lamp (frames,) about 1: contrast of the line, smoothed over frames, against that of ``clear`` frames."""
     from scipy.ndimage import uniform_filter1d
 

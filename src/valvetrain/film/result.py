@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.film.cycles import CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
@@ -43,7 +42,7 @@ class CoilMotion(Reported):
     seen: SpaceTime
     places: Array
     spread: Array
-    merged: NDArray[np.bool_]
+    merged: Flags
     displacement: Array
     phase: CamPhase | None
     cycles: tuple[MeasuredCycles, ...]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.film.frames import MAX_FRAMES, SLOWEST_RATE, Film
 from valvetrain.film.setup import Point
@@ -131,7 +131,7 @@ class SpaceTime:
     ``missing``: frames that the file claims and does not hold."""
 
     picture: NDArray[np.float32]
-    number: NDArray[np.int64]
+    number: Ints
     frame_rate: float
     line: SightLine
     marker: Array
@@ -222,7 +222,7 @@ def read_space_time(
     )
 
 
-def _spot(marker: Point, radius: float, rows: int, columns: int) -> NDArray[np.int64]:
+def _spot(marker: Point, radius: float, rows: int, columns: int) -> Ints:
     """Pixels of the disc about the marker."""
     x, y = marker
     inside = 0 <= x <= columns - 1 and 0 <= y <= rows - 1
@@ -236,12 +236,12 @@ def _spot(marker: Point, radius: float, rows: int, columns: int) -> NDArray[np.i
     return np.flatnonzero(disc)
 
 
-def _numbers(film: Film, first: int, count: int) -> tuple[NDArray[np.int64], list[str]]:
+def _numbers(film: Film, first: int, count: int) -> tuple[Ints, list[str]]:
     """Numbers of the frames with the lost ones counted, by names of files or by time stamps, and
     what is said of them.
     """
     notes = []
-    number: NDArray[np.int64] = np.arange(count)
+    number: Ints = np.arange(count)
     if film.numbers is not None:
         number = film.numbers[first : first + count] - film.numbers[first]
     elif film.clock:

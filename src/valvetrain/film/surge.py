@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 
 #: Lines that are looked for at most, and frames of a dwell that are enough for a result.
 MAX_LINES, FEWEST = 4, 12
@@ -66,7 +65,7 @@ class SurgeFit:
 
 
 def fit_surge(
-    moved: Array, decays: Sequence[NDArray[np.int64]], frame_rate: float, first_coil: int = 1
+    moved: Array, decays: Sequence[Ints], frame_rate: float, first_coil: int = 1
 ) -> SurgeFit | None:
     """Damped sines fitted to all coils and dwells together: frequencies and damping in common,
     amplitudes and rest of their own.
@@ -158,10 +157,10 @@ def _sound(data: Array, lines: Array) -> bool:
 
 def _described(
     data: Array,
-    decay_of: NDArray[np.int64],
+    decay_of: Ints,
     lines: Array,
     frame_rate: float,
-    coils: NDArray[np.int64],
+    coils: Ints,
 ) -> SurgeFit:
     """Lines with their intervals: the larger of what the misfit leaves and of what leaving out one
     dwell after the other changes.

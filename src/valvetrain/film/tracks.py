@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
 from valvetrain.film.profile import FINE, Profiles, find_coils, fit, grounds_of, light_of, ordered
 from valvetrain.film.space_time import SpaceTime
@@ -18,7 +17,7 @@ PREDICTED = 0.12
 
 def bridge(
     seen: SpaceTime,
-    clear: NDArray[np.bool_],
+    clear: Flags,
     places: Array,
     profiles: Profiles,
     light: Array,
@@ -81,9 +80,7 @@ def bridge(
 KNOT, LEARNT_FROM, SMOOTH = 0.7, 150, 1e-3
 
 
-def learn(
-    picture: Array, frames: NDArray[np.int64], places: Array, heights: Array, reach: float
-) -> Profiles:
+def learn(picture: Array, frames: Ints, places: Array, heights: Array, reach: float) -> Profiles:
     """Profiles of all coils and a smooth ground together, by least squares of the grey levels
     below.
 
@@ -150,7 +147,7 @@ class Tracks:
 
     places: Array
     spread: Array
-    merged: NDArray[np.bool_]
+    merged: Flags
     notes: tuple[str, ...] = ()
 
 

@@ -10,9 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.findings.control import Control, control_of
 from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.rigid import OPEN_SHARE
@@ -286,7 +285,7 @@ def trust(run: Solution) -> int:
     return TRUST.index(run.model) if run.model in TRUST else 0
 
 
-def open_mask(run: Solution) -> NDArray[np.bool_]:
+def open_mask(run: Solution) -> Flags:
     """Samples (sample,) of a cycle in which the rigid valve is open by more than a tenth of its lift."""
     name = "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift"
     lift = over_turn(run, name)

@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.integrate.clash_kernels import hardest_impact
 from valvetrain.solution.status import Cause, Detail, Event
@@ -56,13 +55,13 @@ class PairSeries:
 
     time: Array
     cam_angle: Array
-    ranks: NDArray[np.int64]
+    ranks: Ints
     places: Array
     force: Array
     energy: Array
     first_period: float
 
-    def where(self, chosen: NDArray[np.int64]) -> PairSeries:
+    def where(self, chosen: Ints) -> PairSeries:
         """Some of the pairs."""
         if len(chosen) == len(self.ranks):
             return self
@@ -167,7 +166,7 @@ def _contacts(pairs: PairSeries, pair: int, rule: ClashRule) -> list[_Contact]:
     ]
 
 
-def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
+def runs(mask: Flags, ring: bool = False) -> list[tuple[int, int]]:
     """First and last index of every unbroken stretch of True; on a ``ring`` one that passes its end
     continues beyond the last index.
     """

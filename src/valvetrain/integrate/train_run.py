@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
@@ -209,7 +208,7 @@ class TrainRunner:
         return self.fixed_step or TURN / self.cam_speed / self.steps
 
     @cached_property
-    def spring_arrays(self) -> tuple[tuple[Array, NDArray[np.int64]], ...]:
+    def spring_arrays(self) -> tuple[tuple[Array, Ints], ...]:
         """Parameters and integers of every spring's kernel, which only reads them: gathered once,
         not at every cycle.
         """

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from valvetrain.arrays import Array, Ints
 
-from valvetrain.arrays import Array
-
-Integers = NDArray[np.int64]
+Integers = Ints
 
 TRANSITIONS = 512
 """Rows of the log of contact transitions in one cycle; what does not fit is counted."""

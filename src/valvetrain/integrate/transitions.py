@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.integrate.clash import runs
 from valvetrain.integrate.train_tuples import (
     ANGLE,
@@ -39,8 +38,8 @@ class Transitions:
     transitions that the log had no space for.
     """
 
-    interaction: NDArray[np.int64]
-    closes: NDArray[np.bool_]
+    interaction: Ints
+    closes: Flags
     cam_angle: Array
     gap_rate: Array
     largest_gap: Array
@@ -70,7 +69,7 @@ class Transitions:
         """Those of one contact."""
         return self.where(self.interaction == interaction)
 
-    def where(self, flag: NDArray[np.bool_]) -> Transitions:
+    def where(self, flag: Flags) -> Transitions:
         """Those that are marked."""
         return Transitions(
             self.interaction[flag],

@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.findings.words import Amount
 from valvetrain.measured.cam_events import EVENTS, side_of
@@ -66,7 +65,7 @@ class LobeResult:
     contour: Contour | None = None
 
     @property
-    def off(self) -> NDArray[np.int64]:
+    def off(self) -> Ints:
         """Places of the stations, of those of the law, that are more than :data:`OFF` standard deviations off it."""
         away = max(OFF * self.smoothed.noise, RESOLVED)
         return np.flatnonzero(np.abs(self.smoothed.residuals) > away)
@@ -212,7 +211,7 @@ def crossings(grid: Array, curves: Array, height: float) -> tuple[Array, Array]:
     first, last = np.argmax(above, axis=1), curves.shape[1] - 1 - np.argmax(above[:, ::-1], axis=1)
     row = np.arange(len(curves))
 
-    def between(left: NDArray[np.int64]) -> Array:
+    def between(left: Ints) -> Array:
         left = np.clip(left, 0, curves.shape[1] - 2)
         low, high = curves[row, left], curves[row, left + 1]
         share = np.where(high == low, 0.0, (height - low) / np.where(high == low, 1.0, high - low))

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.measured.door import Doubt, refuse_beyond
 from valvetrain.measured.force_curve import Estimate, ForceCurve, force_curve
@@ -388,7 +387,7 @@ def _branches(travel: Array, forces: Array, name: str, notes: list[str]) -> Forc
     return ForceHeight(-loaded, force, loop, tuple(notes))
 
 
-def _pressing(travel: Array) -> NDArray[np.bool_]:
+def _pressing(travel: Array) -> Flags:
     """Which stations are on a stroke of rising travel; all where their order is none of strokes."""
     reversal = REVERSAL * float(np.ptp(travel))
     turns, rising, extreme = [0], bool(travel[min(len(travel) - 1, 1)] >= travel[0]), 0

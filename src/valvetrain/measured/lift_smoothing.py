@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.measured.stations import events_of, last_digit
 from valvetrain.solution.display import Shown
@@ -131,7 +131,7 @@ class SmoothedLift(Shown):
             inside, BSpline(self.knots, coefficients, DEGREE)(angle, nu=derivative), 0.0
         )
 
-    def _inside(self, cam_angle: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+    def _inside(self, cam_angle: ArrayLike) -> tuple[Flags, Array]:
         first, last = self.event
         angle = first + np.mod(np.asarray(cam_angle, dtype=float) - first, TURN)
         return angle <= last, np.minimum(angle, last)

@@ -13,9 +13,9 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 
 NODES = 1440
@@ -172,7 +172,7 @@ def monotone_table(cam_angles: Array, values: Array, nodes: int = NODES) -> Arra
     return np.column_stack([value, slope, bend])
 
 
-def _turns(value: Array, slope: Array, bend: Array) -> NDArray[np.bool_]:
+def _turns(value: Array, slope: Array, bend: Array) -> Flags:
     """Cells (nodes,) whose quintic may turn: its Bernstein control values do not rise or fall
     throughout (slope and bend per step).
     """
@@ -187,7 +187,7 @@ def _turns(value: Array, slope: Array, bend: Array) -> NDArray[np.bool_]:
     ]
     steps = np.diff(control, axis=0) * np.sign(right - value)
     level = np.sum(np.abs(np.diff(control, axis=0)), axis=0) > 1e-12 * (1 + np.abs(value))
-    found: NDArray[np.bool_] = np.where(right == value, level, np.any(steps < 0, axis=0))
+    found: Flags = np.where(right == value, level, np.any(steps < 0, axis=0))
     return found
 
 

@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.parameters.curves import Curve
 from valvetrain.parameters.material import Material
 
@@ -41,7 +41,7 @@ class WireShape(Protocol):
     @property
     def upper_seat_height(self) -> float: ...
 
-    def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
+    def telescopes(self, coil: ArrayLike) -> Flags:
         """Whether the wire passes inside or outside of the wire one turn below."""
 
     def axial_position(self, coil: ArrayLike) -> Array:

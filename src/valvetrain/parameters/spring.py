@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import (
     Constant,
@@ -343,7 +343,7 @@ class SpringDefinition(Table):
         wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
         return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
 
-    def telescopes(self, coil: ArrayLike) -> NDArray[np.bool_]:
+    def telescopes(self, coil: ArrayLike) -> Flags:
         """Whether the wire at ``coil`` passes next to the wire one turn below, which then does not
         keep it off the seat.
         """
@@ -352,7 +352,7 @@ class SpringDefinition(Table):
         upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
         shift = np.abs(self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
         wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
-        found: NDArray[np.bool_] = np.asarray(inside & (shift >= wire), dtype=np.bool_)
+        found: Flags = np.asarray(inside & (shift >= wire), dtype=np.bool_)
         return found
 
     @cached_property

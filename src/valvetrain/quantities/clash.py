@@ -8,9 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.integrate.clash import RECORDED, ClashRule, PairSeries, find_clashes, runs
 from valvetrain.quantities.cycle import Cycle, is_closed
 from valvetrain.quantities.forces import within_cycle
@@ -226,7 +225,7 @@ def _touched(cycle: Cycle, window: ClashWindow) -> bool:
     )
 
 
-def _within(cam_angle: Array, window: ClashWindow) -> NDArray[np.bool_]:
+def _within(cam_angle: Array, window: ClashWindow) -> Flags:
     """Whether cam angles (rad) are in a window, whatever revolution they are counted in."""
     return np.asarray((cam_angle - window.first) % TURN <= window.last - window.first)
 

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.mechanism.gaps import table_value
 from valvetrain.system.rigid_pose import RigidPoses, soft_forces
 from valvetrain.system.train_forces import gap_states
@@ -153,7 +152,7 @@ class RigidForces:
         return np.where(opened, squares, np.inf)
 
     def _minima(
-        self, points: Array, segment: NDArray[np.int64], starts: Sequence[tuple[float, int, int]]
+        self, points: Array, segment: Ints, starts: Sequence[tuple[float, int, int]]
     ) -> list[tuple[float, float]]:
         """Cam angle and value of the least square near each of ``starts`` (value, place, contact),
         within its own segment.
@@ -178,7 +177,7 @@ class RigidForces:
             )
         return list(zip(angles[rows, best].tolist(), values[rows, best].tolist(), strict=True))
 
-    def _points(self, cam_angle: Array) -> tuple[Array, NDArray[np.int64]]:
+    def _points(self, cam_angle: Array) -> tuple[Array, Ints]:
         """Cam angles of the coarse search with both sides of every jump, and the smooth segment
         each is in.
         """
@@ -220,7 +219,7 @@ def _solved(matrices: Array, sides: Array) -> Array:
     )
 
 
-def _low_points(values: Array, segment: NDArray[np.int64]) -> list[int]:
+def _low_points(values: Array, segment: Ints) -> list[int]:
     """Indices of local minima of finite ``values`` within their segments."""
     before = np.where(
         np.append(-1, segment[:-1]) == segment, np.append(np.inf, values[:-1]), np.inf

@@ -7,9 +7,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.coil_contact.line_contact import line_contact
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import reported_cycle
@@ -114,7 +113,7 @@ def _patches(
     return patches
 
 
-def _joined(touching: NDArray[np.bool_], whole: bool) -> list[NDArray[np.bool_]]:
+def _joined(touching: Flags, whole: bool) -> list[Flags]:
     """Parts of a map (sample, point) that hang together, of a ``whole`` revolution also across its
     seam.
     """

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.kinematics import RigidTable
@@ -65,7 +64,7 @@ class Cycle:
             return values[:, order[right - 1 + int(share)]]
         return (1 - share) * values[:, order[right - 1]] + share * values[:, order[right]]
 
-    def window(self, first: float, last: float) -> NDArray[np.bool_]:
+    def window(self, first: float, last: float) -> Flags:
         """Mask of the samples with ``first <= cam_angle < last`` (rad)."""
         return (self.cam_angle >= first - 1e-9) & (self.cam_angle < last - 1e-9)
 

@@ -6,9 +6,9 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import is_closed
 from valvetrain.solution.force_peak import FILTER_ORDER
@@ -141,7 +141,7 @@ def window_bounds(event: LiftEvent, window: Window) -> tuple[float, float]:
     }[window]
 
 
-Index = NDArray[np.int64]
+Index = Ints
 
 
 def prominent_peaks(values: ArrayLike, prominence: float) -> Index:

@@ -8,9 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED, openings_by_law
 from valvetrain.mechanism.rigid import OPEN_SHARE
@@ -338,7 +337,7 @@ def _sampled_openings(solution: Solution) -> list[_Opening]:
     return found
 
 
-def _between(solution: Solution, release: float, length: float) -> NDArray[np.int64]:
+def _between(solution: Solution, release: float, length: float) -> Ints:
     """Samples of the open stretch; the nearest one where it is shorter than their interval."""
     angle = solution.cam_angle
     inside = np.flatnonzero((angle - release) % TURN <= length)
@@ -362,7 +361,7 @@ def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> dict[str
     return cause_in(solution, rigid, _between(solution, part[0], part[1] - part[0]))
 
 
-def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> dict[str, Detail]:
+def cause_in(solution: Solution, rigid: RigidCycle, window: Ints) -> dict[str, Detail]:
     """The cause of a loss of contact or float at the samples of a ``window``, which every event, run and critical speed has
     from here; of surge also what it takes off the spring force (N) as the stretch begins.
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.integrate.train_channels import load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
@@ -182,7 +181,7 @@ class OpenWindow:
         """That of a train's rigid kinematics."""
         return cls(*open_window(kinematics), top_of(kinematics))
 
-    def holds(self, cam_angle: Array) -> NDArray[np.bool_]:
+    def holds(self, cam_angle: Array) -> Flags:
         """Whether cam angles (rad, unwrapped or not) are in it."""
         return np.asarray((cam_angle - self.begin) % _TURN <= self.end - self.begin)
 

@@ -10,17 +10,16 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, PchipInterpolator, make_smoothing_spline
 from scipy.ndimage import median_filter
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.rig.channels import ChosenChannels
 from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.request import RigAnswers
 
-Numbers = NDArray[np.int64]
+Numbers = Ints
 REVOLUTION = 2 * np.pi
 #: Crank revolutions per cam revolution.
 RATIO = 2

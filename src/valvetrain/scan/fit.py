@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.scan.axis import MIN_TURNS, Frame, find_axis, find_sections, follow
 from valvetrain.scan.tube import OnWire, Tube, fit_tube, place, start_tube
@@ -261,7 +260,7 @@ def _fit_about(frame: Frame, points: Array, corners: Array | None) -> FittedSpri
             tube, inside, tips[1], 1, reach
         )
 
-    def flats(seen: Array) -> NDArray[np.bool_]:
+    def flats(seen: Array) -> Flags:
         """Which points are on a ground face or beyond it."""
         beyond = np.zeros(len(seen), dtype=bool)
         for side, face in zip((-1, 1), faces, strict=True):

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 
 DEGREE = 3
@@ -184,7 +183,7 @@ def fit_tube(
     tube: Tube,
     points: Array,
     reach: tuple[float, float],
-    flat: NDArray[np.bool_] | None = None,
+    flat: Flags | None = None,
     ovate: bool = False,
     rounds: int = ROUNDS,
 ) -> tuple[Tube, OnWire, Array]:

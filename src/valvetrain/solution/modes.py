@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
 from valvetrain.solution.display import Saveable, frame, table, value_text
 from valvetrain.solution.status import COMPLETED, Status
@@ -109,7 +108,7 @@ class SpringModes:
 
     natural_frequency: Array
     axial_share: Array
-    surge: NDArray[np.bool_]
+    surge: Flags
 
     def __post_init__(self) -> None:
         count = (len(self.natural_frequency),)

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.coil_contact.law import LINEAR, CoilContactLaw
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
@@ -59,8 +58,8 @@ class CoilContacts:
     the gap. ``law``: the law of them all.
     """
 
-    upper: NDArray[np.int64]
-    lower: NDArray[np.int64]
+    upper: Ints
+    lower: Ints
     fraction: Array
     gap: Array
     stiffness: Array
@@ -73,7 +72,7 @@ class CoilContacts:
         """Number of contacts with a fixed end that have their own row."""
         return len(self.end_rows)
 
-    def spans(self) -> tuple[NDArray[np.int64], Array]:
+    def spans(self) -> tuple[Ints, Array]:
         """The end rows without their zeros: first node, length and place in the weights (3 e,),
         weights.
         """

@@ -39,14 +39,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 
 #: Target spacing of a record of coil contacts over the spring's first natural period, of some 2 ms: their
 #: impacts last about 10 us.
 WATCH_SHARE = 1e-3
-Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
+Kernel = Callable[[Array, Ints, Array, float, float, float], tuple[float, float]]
 
 
 class EndForces(NamedTuple):
@@ -136,10 +135,10 @@ class ContactWatch:
     upper partners, force (N) and stored energy (J), both (p, n).
     """
 
-    stretches: NDArray[np.int64]
+    stretches: Ints
     first_period: float
     interval: float
-    read: Callable[[Array, float, float], tuple[NDArray[np.int64], Array, Array, Array]]
+    read: Callable[[Array, float, float], tuple[Ints, Array, Array, Array]]
 
     @property
     def entries(self) -> int:
@@ -310,7 +309,7 @@ class SpringModel(Protocol):
         """Flat float64 array for the kernel."""
         ...
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         """Flat int64 array for the kernel."""
         ...
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.coil_contact.law import contact_response
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh
@@ -171,20 +170,20 @@ def pair_values(model: RodModel, gaps: Array) -> tuple[Array, Array, Array]:
     )
 
 
-def _pairs(model: RodModel) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+def _pairs(model: RodModel) -> tuple[Array, Ints, Ints]:
     """Upper coil numbers, vertices with a partner, and the pair of each such vertex."""
     upper_coil, pair_of = model.coil_pairs
     vertices = np.flatnonzero(pair_of >= 0)
     return upper_coil, vertices, pair_of[vertices]
 
 
-def _sum(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
+def _sum(values: Array, pair_of: Ints, count: int) -> Array:
     out = np.zeros((len(values), count))
     np.add.at(out.T, pair_of, values.T)
     return out
 
 
-def _least(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
+def _least(values: Array, pair_of: Ints, count: int) -> Array:
     out = np.full((count, len(values)), np.inf)
     np.minimum.at(out, pair_of, values.T)
     return out.T
@@ -254,8 +253,8 @@ def _status(
     values: dict[str, Array],
     run: RodTransient,
     mesh: RodMesh,
-    pairs: NDArray[np.int64],
-    pair_of: NDArray[np.int64],
+    pairs: Ints,
+    pair_of: Ints,
     count: int,
 ) -> Array:
     offset = mesh.contact.offset

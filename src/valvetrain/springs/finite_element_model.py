@@ -10,9 +10,8 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.coil_contact.law import contact_response, law_address
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.end_coils import EndCoils
@@ -186,7 +185,7 @@ class RodModel:
         return self.time_step or self.stable_time_step()
 
     @cached_property
-    def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
+    def _numbers(self) -> tuple[Array, Ints]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
         return np.concatenate(
             ([self.precompression, float(self.pulls)], numbers, places.ravel())
@@ -195,7 +194,7 @@ class RodModel:
     def parameters(self) -> Array:
         return self._numbers[0].copy()
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         integers = self._numbers[1].copy()
         integers[LAW] = law_address(self.dynamics.contact_law)  # of this process
         return integers
@@ -358,7 +357,7 @@ class RodModel:
         )
 
     @cached_property
-    def coil_pairs(self) -> tuple[Array, NDArray[np.int64]]:
+    def coil_pairs(self) -> tuple[Array, Ints]:
         """Upper coil numbers of the pairs in which contacts are reported, at every eighth of a turn,
         and the pair of each vertex (-1: none).
         """
@@ -387,7 +386,7 @@ class RodModel:
 
         def read(
             record: Array, spacing: float, time_step: float
-        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        ) -> tuple[Ints, Array, Array, Array]:
             impulses = len(groups) * count
             met = np.flatnonzero(record[-1, :impulses] > record[0, :impulses])
             pair = pair_of[first + met % count]

@@ -11,10 +11,9 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Share
 from valvetrain.parameters.spring import SpringDefinition
@@ -90,7 +89,7 @@ class MasslessSpring:
         """
         return -np.inf if self.pulls else -self.preload / self.rate
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.zeros(1, dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> MasslessSpring:
@@ -183,7 +182,7 @@ class MasslessTable:
     def parameters(self) -> Array:
         return np.concatenate((self.displacements, self.forces)).astype(np.float64)
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.array([len(self.forces), int(self.pulls)], dtype=np.int64)
 
     @cached_property

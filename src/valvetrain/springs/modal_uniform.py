@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring_options import SpringOptions
@@ -153,7 +152,7 @@ class ModalUniform:
             )
         )
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.array([self.modes], dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> ModalUniform:

@@ -26,9 +26,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.static import SpringAtRest
@@ -219,7 +219,7 @@ class ModalVaried:
             )
         )
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.array([self.unknowns, len(self.forces)], dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> ModalVaried:

@@ -9,10 +9,9 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.coil_contact.law import (
     LINEAR,
     CoilContactLaw,
@@ -173,7 +172,7 @@ class MultiMassSpring:
     def parameters(self) -> Array:
         return self._parameters.copy()
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         c = self.layout.contacts
         head = [self.unknowns, c.count, c.regular(self.unknowns), c.ends, int(self.pulls)]
         law = np.array([law_address(c.law)], dtype=np.int64)
@@ -364,7 +363,7 @@ class MultiMassSpring:
 
         def read(
             record: Array, spacing: float, time_step: float
-        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        ) -> tuple[Ints, Array, Array, Array]:
             touched = np.flatnonzero(np.max(record[:, : contacts.count], axis=0)[order] > 0)
             chosen, pushed = order[touched], stiffness[touched, None]
             overlap, impulse = (

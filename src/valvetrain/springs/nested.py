@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.springs.chain_layout import ChainLayout
 from valvetrain.springs.contract import (
@@ -95,7 +94,7 @@ class NestedSprings:
         return kernel
 
     @cached_property
-    def _pairs(self) -> tuple[NDArray[np.int64], Array]:
+    def _pairs(self) -> tuple[Ints, Array]:
         """Section numbers (s, 2) and inverse masses (s, 2) of the pairs that rub."""
         if self.rubbing is None:
             return np.zeros((0, 2), np.int64), np.zeros((0, 2))
@@ -123,7 +122,7 @@ class NestedSprings:
     def _outer_size(self) -> int:
         return len(self.outer.initial_state(0.0))
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         pairs, _ = self._pairs
         outer, inner = self.outer.integers(), self.inner.integers()
         values = [len(member.parameters()) for member in self.members]

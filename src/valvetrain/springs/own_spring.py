@@ -10,10 +10,9 @@ from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain import registry
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.own_parts import carrying, own_name
@@ -118,7 +117,7 @@ class OwnSpring:
     def parameters(self) -> Array:
         return np.zeros(1)
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.array([self.behaviour.address, self.behaviour.count], dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> OwnSpring:

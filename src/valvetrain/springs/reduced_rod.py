@@ -9,10 +9,9 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.cosserat.contact_points import ContactPoints
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.errors import InputError
@@ -183,7 +182,7 @@ class ReducedRod:
         return kernels.aligned(self._parameters)
 
     @cached_property
-    def _pairs(self) -> tuple[Array, NDArray[np.int64]]:
+    def _pairs(self) -> tuple[Array, Ints]:
         """Coil numbers of the coil pairs, and the pair of each contact point (-1: a seat); pairs that
         lie between the coils of one end are left out, as their points are.
         """
@@ -194,12 +193,12 @@ class ReducedRod:
         return upper_coil[moving], found
 
     @cached_property
-    def _integers(self) -> NDArray[np.int64]:
+    def _integers(self) -> Ints:
         t, (upper_coil, pair_of) = self.tables, self._pairs
         sizes = [t.coordinates, t.points, len(t.rest), len(t.stiffness), t.parts, int(self.pulls)]
         return np.array([*sizes, len(upper_coil), *pair_of.tolist()], dtype=np.int64)
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return self._integers.copy()
 
     def with_time_step(self, time_step: float) -> ReducedRod:
@@ -421,7 +420,7 @@ class ReducedRod:
 
         def read(
             record: Array, spacing: float, time_step: float
-        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        ) -> tuple[Ints, Array, Array, Array]:
             touched = np.flatnonzero(np.max(record[:, :count], axis=0) > 0)
             force, energy = (
                 np.ascontiguousarray(record[:, first + touched].T) for first in (0, count)

@@ -7,9 +7,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.reduced_rod_tables import ReducedTables
 
@@ -19,9 +18,9 @@ class Samples(NamedTuple):
     next, departure from rest (n, m) and overlaps of all points (n, p).
     """
 
-    fine: NDArray[np.int64]
+    fine: Ints
     share: Array
-    coarse: NDArray[np.int64]
+    coarse: Ints
     coarse_share: Array
     apart: Array
     overlap: Array
@@ -80,7 +79,7 @@ class SampleForces(NamedTuple):
 
 
 def sample_forces(
-    arrays: tuple[Array, NDArray[np.int64]],
+    arrays: tuple[Array, Ints],
     states: Array,
     overlaps: Array,
     displacements: Array,

@@ -12,9 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.static import SpringAtRest
@@ -106,7 +105,7 @@ class WaveRod:
         """
         return -np.inf if self.pulls else -self.spring.preload / self.cell_stiffness
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return np.array([self.unknowns], dtype=np.int64)
 
     def with_time_step(self, time_step: float) -> WaveRod:

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.coil_contact.law import LINEAR, law_of
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -143,7 +142,7 @@ class WaveRodWithClash:
     def parameters(self) -> Array:
         return self.chain.parameters()
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         return self.chain.integers()
 
     def with_time_step(self, time_step: float) -> WaveRodWithClash:

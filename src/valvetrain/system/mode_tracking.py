@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.modes import TrainModes
 from valvetrain.system.train_modes import eigen_at, modes_from
@@ -22,7 +21,7 @@ from valvetrain.system.train_system import TrainSystem
 LIFTS = (0.01, 0.05, 0.2, 0.5, 0.8)
 
 
-def continued(before: Array, after: Array) -> tuple[NDArray[np.int64], Array]:
+def continued(before: Array, after: Array) -> tuple[Ints, Array]:
     """For each mode ``after`` the mode ``before`` (both (unknown, mode), of unit length) that it continues
     from, each once, and their overlap: squared cosine between the shapes, weighted by mass.
     """

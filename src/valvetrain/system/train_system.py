@@ -10,9 +10,8 @@ from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.contact.kernels import OWN_LAW, WIDTH
 from valvetrain.contact.law import LawKernel, OwnLaw
 from valvetrain.errors import InputError
@@ -23,7 +22,7 @@ from valvetrain.springs.contract import LargeSpring, SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of
 
-Integers = NDArray[np.int64]
+Integers = Ints
 
 
 @runtime_checkable

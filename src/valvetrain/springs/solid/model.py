@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import NoReturn, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.continuum.statics import SolidEquilibrium, SolidStatics
 from valvetrain.continuum.transient import SAFETY, SolidDynamics, stable_time_step
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
@@ -163,7 +162,7 @@ class SolidModel:
     def parameters(self) -> Array:
         self._refuse_train()
 
-    def integers(self) -> NDArray[np.int64]:
+    def integers(self) -> Ints:
         self._refuse_train()
 
     def _refuse_train(self) -> NoReturn:

@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Ints
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.parameters.summary import number
 from valvetrain.quantities.cycle import Cycle
@@ -18,7 +17,7 @@ from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import value_text as shown_text
 from valvetrain.solution.result import Solution
 
-Places = NDArray[np.int64]
+Places = Ints
 
 
 @dataclass(frozen=True, eq=False)
