@@ -225,7 +225,11 @@ class Outputs:
         for name in names if function is None else ():
             if not is_defined(name):
                 raise InputError(no_quantity(name))
-            refuse_limit_name(name)
+            if kind := next((kind for kind, (speed, *_) in LIMITS.items() if speed == name), ""):
+                raise InputError(
+                    f"'{name}' is searched over engine speeds; request a limit_speed with kind = '{kind}' and "
+                    "engine_speeds = '4000:9000:500 rpm'"
+                )
         speeds = engine_speeds
         if speeds is not None and not (
             isinstance(speeds, tuple) and all(isinstance(one, float) for one in speeds)
@@ -278,16 +282,6 @@ def missing_text(name: str, case: Case | None, runs: Sequence[Run]) -> str:
     """Why the ``runs`` of a case do not give a quantity."""
     pair = case is not None and has_pair(case, runs)
     return not_given(name, of_pair(name) if pair else ())
-
-
-def refuse_limit_name(name: str) -> None:
-    """Raise :class:`InputError` for an output that is a limit speed, which no single run has."""
-    for kind, (own, *_) in LIMITS.items():
-        if name == own:
-            raise InputError(
-                f"'{name}' is searched over engine speeds; request a limit_speed with kind = '{kind}' and "
-                "engine_speeds = '4000:9000:500 rpm'"
-            )
 
 
 def refuse_sets(case: Case, sets: Iterable[str]) -> None:

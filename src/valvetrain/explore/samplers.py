@@ -187,16 +187,13 @@ def sequence(dimensions: int, count: int, seed: int) -> Array:
     return np.asarray(points.random_base2(max(0, math.ceil(math.log2(count)))))[:count]
 
 
-def base_rows(count: int, dimensions: int) -> int:
-    """Base rows of a design of ``count`` points at most: a power of two, for then the sequence is
-    balanced; at least 2.
-    """
-    return 1 << max(1, int(math.log2(max(2, count // (dimensions + 2)))))
-
-
 def saltelli(dimensions: int, count: int, seed: int) -> Array:
-    """Points of the unit cube in rows: A, B, then for every quantity A with its column of B."""
-    both = sequence(2 * dimensions, base_rows(count, dimensions), seed)
+    """Points of the unit cube in rows: A, B, then for every quantity A with its column of B.
+
+    There are at most ``count`` of them; the base rows are a power of two, for then the sequence is balanced, at least 2.
+    """
+    rows = 1 << max(1, int(math.log2(max(2, count // (dimensions + 2)))))
+    both = sequence(2 * dimensions, rows, seed)
     a, b = both[:, :dimensions], both[:, dimensions:]
     mixed = [np.where(np.arange(dimensions) == index, b, a) for index in range(dimensions)]
     return np.concatenate([a, b, *mixed])

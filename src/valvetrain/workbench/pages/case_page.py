@@ -43,7 +43,7 @@ from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.live_curve import float_text, live_lines, live_numbers
 from valvetrain.workbench.pages.orders import orders_for
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
-from valvetrain.workbench.pages.runs import earlier, run_head, run_table
+from valvetrain.workbench.pages.runs import run_head, run_table
 from valvetrain.workbench.requests import STORED, JobRequest
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.workspace import CaseId
@@ -407,7 +407,7 @@ class CasePage:
         with self.head:
             run_head(self.desk, chosen, full=False)
         self.list.clear()
-        others = earlier(runs, chosen.run_id)[:MAX_RUNS]
+        others = [run for run in runs if run is not chosen][:MAX_RUNS]
         if others:
             with self.list:
                 tag("h2", "Earlier runs of this case")

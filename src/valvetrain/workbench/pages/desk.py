@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from valvetrain.errors import ValvetrainError
@@ -74,7 +74,8 @@ class Desk:
                 found.chain.close()
                 found = None
             if found is None:
-                self._close_oldest()
+                while len(self.chains) >= MAX_CHAINS:
+                    self.chains.pop(next(iter(self.chains))).chain.close()
                 found = OpenChain(LiveChain(text, self.workspace.case_folder(case)), text, files)
             self.chains[case] = found
             for _ in range(MAX_TRIES):
@@ -84,10 +85,6 @@ class Desk:
                     found.base = found.chain.curve(found.changes)
             return found, found.base or LiveResult()
 
-    def _close_oldest(self) -> None:
-        while len(self.chains) >= MAX_CHAINS:
-            self.chains.pop(next(iter(self.chains))).chain.close()
-
     async def ask(
         self, case: CaseId, key: str, value: str, question: Question = LiveChain.curve
     ) -> tuple[LiveResult, LiveResult]:
@@ -96,8 +93,10 @@ class Desk:
         """
         try:
             opened, base = await asyncio.to_thread(self.chain, case)
-            changes = moved_to(opened.changes, key, value)
-            return base, await asyncio.to_thread(question, opened.chain, *changes)
+            by_speed = key == ENGINE_SPEED
+            changes = dict(opened.changes) | ({} if by_speed else {key: value})
+            speed = value if by_speed else ""
+            return base, await asyncio.to_thread(question, opened.chain, changes, speed)
         except ValvetrainError as error:
             refused = LiveResult(sentence=sentence_of(error))
             return refused, refused
@@ -108,12 +107,3 @@ class Desk:
             for one in self.chains.values():
                 one.chain.close()
             self.chains.clear()
-
-
-def moved_to(changes: Mapping[str, str], key: str, value: str) -> tuple[dict[str, str], str]:
-    """Changes of the case, and the engine speed, of a position of the slider.
-
-    >>> moved_to({"a": "1"}, "b", "2"), moved_to({}, "engine_speed", "5000 rpm")
-    (({'a': '1', 'b': '2'}, ''), ({}, '5000 rpm'))
-    """
-    return (dict(changes), value) if key == ENGINE_SPEED else ({**changes, key: value}, "")

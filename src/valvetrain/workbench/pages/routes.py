@@ -85,24 +85,12 @@ def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:
                     "click", lambda one=card: begin(desk, one), args=[]
                 ),
             ):
-                _picture(pictures.of_source(card.name))
+                with tag("span", classes="drawn"):  # to scale
+                    tag("img", src=pictures.of_source(card.name), alt="", loading="lazy")
                 title = card.title.removeprefix("Template: ")
-                _title_and_more(
-                    title[:1].upper() + title[1:],
-                    ", ".join(_HOLDS.get(one, one) for one in card.holds) or "template",
-                )
-
-
-def _title_and_more(title: str, more: str) -> None:
-    with tag("div"):
-        tag("strong", title)
-        tag("span", more)
-
-
-def _picture(address: str) -> None:
-    """A picture to scale next to its name."""
-    with tag("span", classes="drawn"):
-        tag("img", src=address, alt="", loading="lazy")
+                with tag("div"):
+                    tag("strong", title[:1].upper() + title[1:])
+                    tag("span", ", ".join(_HOLDS.get(one, one) for one in card.holds) or "template")
 
 
 async def begin(desk: Desk, card: CaseCard) -> None:

@@ -117,8 +117,3 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
         link("Compare with …", f"/compare?a={run.run_id}", "button small")
         if full and run.case in {card.name for card in desk.workspace.cases()}:
             link("Change the case", f"/case/{run.case}", "button small")
-
-
-def earlier(runs: Sequence[Run], shown: str) -> list[Run]:
-    """Runs but the one that is shown."""
-    return [run for run in runs if run.run_id != shown]
