@@ -25,7 +25,7 @@ import numpy as np
 from beehive_study.identification import case_values
 from beehive_study.rewrite import write_case_values
 from valvetrain.errors import InputError
-from valvetrain.explore.requests import Execution
+from valvetrain.explore.execution import Execution
 from valvetrain.explore.identification_file import IdentificationPlan
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.identify import run_identification
