@@ -21,12 +21,33 @@ from pathlib import Path
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
+from valvetrain.runs.error_bars import UncertaintyStudy, grouped
 from valvetrain.runs.refine import refined
-from valvetrain.runs.stored_error_bars import belongs, rows_of, uncertainty_text
+from valvetrain.runs.stored_error_bars import OF_VARIANT, belongs, heading_of, numbers_of, rows_of
 from valvetrain.solution.atomic import write_text
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
 DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)
+
+
+def uncertainty_text(study: UncertaintyStudy) -> str:
+    """Content of the file that ships with a library case."""
+    meshes = ", ".join(map(str, study.elements_per_coil))
+    (soft, stiff), (least, most) = study.stiffness_factors, study.damping_factors
+    lines = [
+        f"# Uncertainty of the headline numbers of {study.record.name}; written by scripts/write_uncertainty.py. SI units.",
+        "# value, numerical uncertainty, observed order (nan: not monotonic), extrapolated value, part of the step,",
+        f"# least and largest over contact stiffness x {soft:g} to x {stiff:g}, least and largest over damping x {least:g} to "
+        f"x {most:g}.",
+        "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
+    ]  # fmt: skip
+    for (speed, label), rows in grouped(study.rows).items():
+        variant = OF_VARIANT + label if label else ""
+        lines += ["", f'["{heading_of(speed)}{variant}"]']
+        for row in rows:
+            numbers = ", ".join(f"{number:.7g}" for number in numbers_of(row))
+            lines.append(f"{row.quantity} = [{numbers}]")
+    return "\n".join(lines) + "\n"
 
 
 def restamp(case: Case, workers: int) -> None:

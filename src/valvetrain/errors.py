@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 #: Longest sentence and longest place (characters): what a stranger wrote is echoed, never in full.
 MAX_SENTENCE_LENGTH, MAX_LOCATION_LENGTH = 700, 300
@@ -64,7 +65,22 @@ class UnknownNameError(InputError, KeyError):
         return InputError, (self.reason, self.where)
 
 
-class NamedNumbers(dict[str, float]):
+class FrozenMapping(dict[str, Any]):
+    """A mapping that does not change: it can be hashed, and sent to another process."""
+
+    def _refuse(self, *_: object, **__: object) -> Any:
+        raise TypeError("this mapping does not change; make another of it")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (dict(self),)
+
+
+class NamedNumbers(FrozenMapping):
     """Numbers by name; a name that is not there is answered with the nearest.
 
     >>> NamedNumbers(preload=280.0)["prelaod"]

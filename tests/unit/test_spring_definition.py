@@ -36,11 +36,8 @@ def test_a_plain_helix_has_the_length_and_mass_of_its_unrolled_wire(helix):
     assert helix.active_coils == pytest.approx(TURNS)
 
 
-def test_a_plain_helix_has_its_angles_and_diameters_everywhere(helix):
+def test_a_plain_helix_has_its_diameters_and_gaps_everywhere(helix):
     coil = np.linspace(0, TURNS, 7)
-    np.testing.assert_allclose(
-        helix.helix_angle(coil), np.arctan(PITCH / (np.pi * DIAMETER)), rtol=1e-14
-    )
     np.testing.assert_allclose(helix.index(coil), DIAMETER / WIRE)
     np.testing.assert_allclose(helix.outer_diameter(coil), DIAMETER + WIRE)
     np.testing.assert_allclose(helix.coil_gap([1.0, 3.3, TURNS]), PITCH - WIRE, rtol=1e-12)

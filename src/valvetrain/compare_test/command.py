@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.cli.request import SavedLine, command_of
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.runs.request_fields import (
-    Pairs,
     option,
     options_of,
     read_count,
@@ -28,7 +27,7 @@ from valvetrain.runs.request_fields import (
 from valvetrain.runs.requests import ParallelRequest, SpringRequest
 
 
-def read_gauge(given: Any, where: str) -> Pairs:
+def read_gauge(given: Any, where: str) -> FrozenMapping:
     """Properties of a gauge: ``KEY=VALUE, ...``."""
     return read_pairs(read_words(given, where), where)
 
@@ -61,12 +60,12 @@ class CompareTestRequest(SpringRequest, ParallelRequest):
         "--bandwidth",
         "FREQUENCY",
     )
-    sensor: Pairs = option(
+    sensor: FrozenMapping = option(
         read_gauge,
         "More of the gauge: 'natural_frequency=40 kHz, order=2'.",
         "--sensor",
         "WORDS",
-        default=Pairs(),
+        default=FrozenMapping(),
     )
     shared: str = option(
         read_text,

@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import Field, StrictInt
 
 from valvetrain import registry
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.parameters.changes import differences, nearest
 from valvetrain.parameters.installed_spring import (
     CoilContact,
@@ -26,7 +26,7 @@ from valvetrain.parameters.installed_spring import (
     InstalledSpring,
     Rubbing,
 )
-from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
+from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
     PositiveLength,

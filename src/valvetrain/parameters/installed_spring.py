@@ -15,9 +15,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ArgsKwargs
 
 from valvetrain import registry
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_types import (
     FOLLOWS,

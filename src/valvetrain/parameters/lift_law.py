@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -15,32 +15,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator
 
 from valvetrain import registry
+from valvetrain.errors import FrozenMapping
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_types import Line, StrictModel, guarded, problem, validate_as
-
-
-class FrozenMapping(Mapping[str, Any]):
-    """A small read-only mapping that can be hashed, compared and sent to another process."""
-
-    __slots__ = ("_items",)
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self._items = dict(*args, **kwargs)
-
-    def __getitem__(self, key: str) -> Any:
-        return self._items[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._items.items()))
-
-    def __repr__(self) -> str:
-        return f"FrozenMapping({self._items!r})"
 
 
 @dataclass(frozen=True)

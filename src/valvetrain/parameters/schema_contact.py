@@ -12,9 +12,8 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator
 
 from valvetrain import registry
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_types import (
     Force,

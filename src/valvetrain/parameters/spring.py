@@ -323,10 +323,6 @@ class SpringDefinition(Table):
         """Spring index, mean coil diameter over wire diameter."""
         return self.mean_diameter.value(coil) / self.wire_diameter.value(coil)
 
-    def helix_angle(self, coil: ArrayLike) -> Array:
-        """Angle of the wire axis to the coil plane (rad)."""
-        return np.arctan2(self.pitch.value(coil), np.pi * self.mean_diameter.value(coil))
-
     def outer_diameter(self, coil: ArrayLike) -> Array:
         """Mean diameter plus wire diameter (m)."""
         return self.mean_diameter.value(coil) + self.wire_diameter.value(coil)

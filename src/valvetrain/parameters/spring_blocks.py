@@ -11,11 +11,10 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, PlainValidator, ValidationInfo
 from pydantic.fields import FieldInfo
 
-from valvetrain.errors import UnusualValueWarning
+from valvetrain.errors import FrozenMapping, UnusualValueWarning
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.dual_spring import read_pair
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.schema_types import (
     Name,
     guarded,

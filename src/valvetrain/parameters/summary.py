@@ -6,8 +6,8 @@ import math
 
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear, Table
 from valvetrain.parameters.material import Material
-from valvetrain.units import unit_factor
 from valvetrain.units.reader import reader_factor, reader_unit
+from valvetrain.units.text import to_unit
 
 #: Size below which a number, in any unit that is shown, is rounding alone.
 ROUNDING = 1e-12
@@ -22,24 +22,19 @@ def value_text(item: Curve | Material) -> str:
             ("density", item.density, "kg/m^3"),
         )
         parts = (
-            f"{name} {number(in_unit(value, unit))} {unit_text(unit)}"
+            f"{name} {number(to_unit(value, unit))} {unit_text(unit)}"
             for name, value, unit in shown
         )
         return f"{item.name}: {', '.join(parts)}"
     if isinstance(item, Constant):
-        return f"{number(in_unit(item.level, 'mm'))} mm"
+        return f"{number(to_unit(item.level, 'mm'))} mm"
     if isinstance(item, (PiecewiseLinear, Table)):
         pairs = (
-            f"{number(in_unit(value, 'mm'))} at {coil:g}"
+            f"{number(to_unit(value, 'mm'))} at {coil:g}"
             for coil, value in zip(item.coils, item.values, strict=True)
         )
         return f"{', '.join(pairs)} (mm at coil number)"
     return type(item).__name__.replace("_", " ")
-
-
-def in_unit(value: float, unit: str) -> float:
-    """SI ``value`` in ``unit``; raises :class:`valvetrain.errors.InputError` for an unknown unit."""
-    return value / unit_factor(unit) if unit not in ("", "1") else value
 
 
 def number(value: float | None, digits: int = 4) -> str:

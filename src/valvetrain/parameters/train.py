@@ -8,9 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, refuse_rubbing
-from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.schema_contact import ContactParameters, ContactsField
 from valvetrain.parameters.schema_types import (
     Lash,

@@ -8,10 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 from valvetrain.runs.request_fields import (
     Answers,
-    Pairs,
     option,
     read_amounts,
     read_case,
@@ -43,7 +42,7 @@ class RigAnswers(Answers):
         "Channel of it: 'spring_force=Force 1'. Repeatable.",
         "--channel",
         "QUANTITY=NAME",
-        default=Pairs(),
+        default=FrozenMapping(),
         repeatable=True,
     )
     encoder: str = option(
@@ -87,7 +86,7 @@ class RigAnswers(Answers):
         "Unit of a channel: 'spring_force=kN'. Repeatable.",
         "--unit",
         "QUANTITY=UNIT",
-        default=Pairs(),
+        default=FrozenMapping(),
         repeatable=True,
     )
     calibration: Mapping[str, str] = option(
@@ -95,7 +94,7 @@ class RigAnswers(Answers):
         "Value of one unit of a channel: 'spring_force=2.5 N'; of a shunt its load over the step that it makes.",
         "--calibration",
         "QUANTITY=VALUE",
-        default=Pairs(),
+        default=FrozenMapping(),
         repeatable=True,
     )
     zero: Mapping[str, str] = option(
@@ -103,7 +102,7 @@ class RigAnswers(Answers):
         "Value of a quantity in the dwell: 'spring_force=240 N'.",
         "--zero",
         "QUANTITY=VALUE",
-        default=Pairs(),
+        default=FrozenMapping(),
         repeatable=True,
     )
     dwell: tuple[float, ...] | None = option(

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from valvetrain import registry
-from valvetrain.errors import InputError, UnknownNameError
+from valvetrain.errors import FrozenMapping, InputError, UnknownNameError
 from valvetrain.runs.cost import Limits, read_limits
 from valvetrain.units import as_names, si, si_each, si_speeds
 from valvetrain.units.text import clipped
@@ -194,18 +194,11 @@ def read_words(given: Any, where: str) -> tuple[str, ...]:
     return tuple(filter(None, map(str.strip, parts)))
 
 
-class Pairs(dict[str, str]):
-    """Texts by quantity."""
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(frozenset(self.items()))
-
-
-def read_pairs(given: Any, where: str) -> Pairs:
-    """``QUANTITY=VALUE``, each once."""
+def read_pairs(given: Any, where: str) -> FrozenMapping:
+    """Text by quantity from ``QUANTITY=VALUE``, each once."""
     if isinstance(given, Mapping):
-        return Pairs(given)
-    pairs = Pairs()
+        return FrozenMapping(given)
+    pairs: dict[str, str] = {}
     for text in (given,) if isinstance(given, str) else given:
         quantity, _, value = (part.strip() for part in text.partition("="))
         name = quantity.replace(" ", "_")
@@ -216,7 +209,7 @@ def read_pairs(given: Any, where: str) -> Pairs:
         if name in pairs:
             raise InputError(f"{name} is given twice; give it once", where)
         pairs[name] = value
-    return pairs
+    return FrozenMapping(pairs)
 
 
 def read_models(given: Any, where: str) -> tuple[str, ...]:

@@ -11,14 +11,12 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.parameters.loading import library_names
-from valvetrain.runs.error_bars import grouped
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.status import Fact
 from valvetrain.solution.uncertainty import Comparison, Uncertainty
 
 if TYPE_CHECKING:
-    from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.result import Solution
 
 RPM = math.pi / 30
@@ -26,7 +24,7 @@ RPM = math.pi / 30
 ROD = "finite-element"
 #: Heading of the rows without engine speed, and what separates engine speed and variant in the
 #: headings of a train.
-_STATICS, _OF = "statics", ", of "
+_STATICS, OF_VARIANT = "statics", ", of "
 #: A stored row belongs to a computed value that differs by less than this share, or less than its
 #: own uncertainty.
 SAME = 1e-3
@@ -77,26 +75,6 @@ def _library_file(name: str, digest: str, ending: str) -> dict[str, Any]:
     return content if content.get("case", {}).get("digest") == digest else {}
 
 
-def uncertainty_text(study: UncertaintyStudy) -> str:
-    """Content of the file that ships with a library case."""
-    meshes = ", ".join(map(str, study.elements_per_coil))
-    (soft, stiff), (least, most) = study.stiffness_factors, study.damping_factors
-    lines = [
-        f"# Uncertainty of the headline numbers of {study.record.name}; written by scripts/write_uncertainty.py. SI units.",
-        "# value, numerical uncertainty, observed order (nan: not monotonic), extrapolated value, part of the step,",
-        f"# least and largest over contact stiffness x {soft:g} to x {stiff:g}, least and largest over damping x {least:g} to "
-        f"x {most:g}.",
-        "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
-    ]  # fmt: skip
-    for (speed, label), rows in grouped(study.rows).items():
-        variant = _OF + label if label else ""
-        lines += ["", f'["{_heading(speed)}{variant}"]']
-        for row in rows:
-            numbers = ", ".join(f"{number:.7g}" for number in numbers_of(row))
-            lines.append(f"{row.quantity} = [{numbers}]")
-    return "\n".join(lines) + "\n"
-
-
 def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
     """Whether ``quantities`` hold the number of a stored row, the same within its own uncertainty."""
     return any(
@@ -113,7 +91,7 @@ def _is_same(row: Uncertainty, value: float) -> bool:
 
 
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
-    heading, _, variant = label.partition(_OF)
+    heading, _, variant = label.partition(OF_VARIANT)
     speed = None if heading == _STATICS else float(heading.split()[0]) * math.pi / 30
     value, numerical, order, limit, step, *ranges = map(float, numbers)
     stiffness, damping = (ranges[0], ranges[1]), (ranges[2], ranges[3])
@@ -130,7 +108,7 @@ def numbers_of(row: Uncertainty) -> tuple[float, ...]:
     return (*first, *row.contact_stiffness, *row.damping)
 
 
-def _heading(engine_speed: float | None) -> str:
+def heading_of(engine_speed: float | None) -> str:
     """An engine speed (rad/s) as headings of the stored tables have it; None for springs at rest."""
     return _STATICS if engine_speed is None else f"{engine_speed * 30 / math.pi:g} rpm"
 
@@ -140,7 +118,7 @@ def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparis
     these ship next to it.
     """
     content = _library_file(record.name, record.digest, "blind")
-    tables = [content.get(f"{_heading(row.engine_speed)}, {row.origin}", {}) for row in rows]
+    tables = [content.get(f"{heading_of(row.engine_speed)}, {row.origin}", {}) for row in rows]
     return tuple(
         replace(row, blind=table.get(row.quantity)) if table else row
         for row, table in zip(rows, tables, strict=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
-from types import MappingProxyType
 from typing import Literal
 
+from valvetrain.errors import FrozenMapping
 from valvetrain.solution.status import Fact
 
 #: Packages whose version can change a number.
@@ -46,18 +46,13 @@ class Provenance:
     facts: tuple[Fact, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "dependencies", MappingProxyType(dict(self.dependencies)))
-        object.__setattr__(self, "options", MappingProxyType(dict(self.options)))
+        object.__setattr__(self, "dependencies", FrozenMapping(self.dependencies))
+        object.__setattr__(self, "options", FrozenMapping(self.options))
         object.__setattr__(self, "citations", tuple(self.citations))
         object.__setattr__(self, "springs", tuple(self.springs))
         facts = tuple(Fact(code, dict(values)) for code, values in self.facts)
         object.__setattr__(self, "facts", facts)
         object.__setattr__(self, "label", self.label or self.model)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        plain = {"dependencies": dict(self.dependencies), "options": dict(self.options)}
-        return Provenance, tuple((values | plain).values())
 
 
 def collect_provenance(

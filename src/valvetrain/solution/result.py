@@ -9,13 +9,12 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from valvetrain.arrays import Array
-from valvetrain.errors import InputError, NamedNumbers
+from valvetrain.errors import FrozenMapping, InputError, NamedNumbers
 from valvetrain.solution.atomic import atomic_path
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import Saveable, frame, span, value_text, verdict_first
@@ -57,21 +56,9 @@ class Solution(Saveable):
     gaps: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        numbers = MappingProxyType(NamedNumbers(self.quantities))
         object.__setattr__(self, "events", tuple(self.events))
-        object.__setattr__(self, "quantities", numbers)
-        object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return Solution, (
-            self.arrays,
-            self.events,
-            self.status,
-            dict(self.statistics),
-            self.provenance,
-            dict(self.quantities),
-            self.gaps,
-        )
+        object.__setattr__(self, "quantities", NamedNumbers(self.quantities))
+        object.__setattr__(self, "statistics", FrozenMapping(self.statistics))
 
     @property
     def arrays(self) -> ChannelArrays:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
-from types import MappingProxyType
 from typing import NamedTuple, ParamSpec, TypeVar
 
-from valvetrain.errors import InputError
+from valvetrain.errors import FrozenMapping, InputError
 
 #: Every way a run can end (docs/architecture.md).
 STATUS_CODES = (
@@ -120,14 +119,9 @@ class Event:
 
     def __post_init__(self) -> None:
         # a code is plain text, as it comes back from a file
-        object.__setattr__(self, "details", MappingProxyType(
+        object.__setattr__(self, "details", FrozenMapping(
             {name: getattr(one, "value", one) for name, one in self.details.items()}
         ))  # fmt: skip
-
-    def __reduce__(self) -> tuple[object, ...]:
-        # A mappingproxy does not pickle, and sweeps send results between processes.
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return Event, tuple((values | {"details": dict(self.details)}).values())
 
 
 class Fact(NamedTuple):

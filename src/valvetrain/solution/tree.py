@@ -10,13 +10,13 @@ from dataclasses import fields, is_dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from types import FunctionType, MappingProxyType
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError, NamedNumbers
+from valvetrain.errors import FrozenMapping, InputError, NamedNumbers
 from valvetrain.registry import find
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.quantity import Quantities
@@ -25,7 +25,7 @@ from valvetrain.solution.result import Solution
 PACKAGE = __name__.partition(".")[0]
 _NAME = re.compile(r"valvetrain(\.[a-z_0-9]+)+:[A-Za-z_][A-Za-z_0-9]*")
 #: Kinds of mappings that a result may hold.
-_MAPPINGS: dict[str, type] = {"dict": dict, "view": MappingProxyType, "numbers": NamedNumbers}
+_MAPPINGS: dict[str, type] = {"dict": dict, "view": FrozenMapping, "numbers": NamedNumbers}
 
 
 class UnsavedFunction:

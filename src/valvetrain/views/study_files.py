@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.parameters.summary import in_unit, rpm
+from valvetrain.parameters.summary import rpm
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.runs.stored_error_bars import numbers_of
 from valvetrain.solution.atomic import write_text
@@ -24,6 +24,7 @@ from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Comparison, Uncertainty
+from valvetrain.units.text import to_unit
 from valvetrain.views.files import FreeNames, csv_of, remove_earlier
 
 
@@ -50,7 +51,7 @@ def comparison_table(rows: Sequence[Comparison]) -> str:
     cells["engine speed"] = [one if one is None else rpm(one) for one in cells["engine speed"]]
     for name in ("given", "computed", "blind", "difference", "tolerance", *[*sampled][:2]):
         cells[name] = [
-            one if one is None else in_unit(one, row.unit)
+            one if one is None else to_unit(one, row.unit)
             for one, row in zip(cells[name], rows, strict=True)
         ]
     heads = (f"{name} [rpm]" if name == "engine speed" else name for name in cells)
