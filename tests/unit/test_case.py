@@ -14,7 +14,9 @@ from valvetrain.parameters.case import (
     DampingParameters,
     Note,
     PublishedValue,
+    content,
 )
+from valvetrain.parameters.curves import FunctionCurve
 from valvetrain.parameters.loading import load_case, parse_case
 
 
@@ -113,3 +115,12 @@ def test_one_coefficient_leaves_the_rest_of_the_ratio_to_the_other():
     assert damping.ratio_at(630) == pytest.approx(0.016)
     assert damping.replace(stiffness_share=1.0).mass_damping == 0.0
     assert damping.replace(mass_damping=5.0, stiffness_damping=0.0).ratio is None
+
+
+def test_functions_with_other_values_in_them_are_other_content():
+    """The source of a function does not say what it closes over, which stored points of a study are known by."""
+
+    def law(pitch):
+        return FunctionCurve(lambda coil: pitch + 0.0 * coil)
+
+    assert content(law(7e-3)) == content(law(7e-3)) != content(law(7.2e-3))

@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
-from inspect import getsource
 from numbers import Real
 from typing import Annotated, Any, Literal, get_args
 
@@ -27,6 +26,7 @@ from valvetrain.parameters.installed_spring import (
     Rubbing,
 )
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.own_parts import part_digest
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
     PositiveLength,
@@ -85,21 +85,9 @@ def _parts(item: Any, exact: bool) -> Iterator[bytes]:
             yield from _parts(one, exact)
         yield b"]"
     elif callable(item):
-        yield function_text(item).encode()
+        yield part_digest(item).encode()
     else:
         yield repr(item).encode()
-
-
-def function_text(function: Any) -> str:
-    """A function's name and source text, its code where there is no source."""
-    name = (
-        f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', repr(function))}"
-    )
-    try:
-        return name + getsource(function)
-    except (OSError, TypeError):
-        code = getattr(function, "__code__", None)
-        return name + ("" if code is None else f"{code.co_code.hex()}{code.co_consts!r}")
 
 
 def point_problem(
