@@ -166,3 +166,16 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
         and "Traceback" not in told
         and told.splitlines()[-1] == "the server has ended"
     )
+
+
+def test_it_opens_a_case_and_makes_no_second_copy_of_it(started, tmp_path):
+    assert call("new", "mine", "--kind", "pushrod").exit_code == 0
+    for case, opened in (("mine.toml", "mine"), ("mine.toml", "mine"), ("job-t", "job-t")):
+        told = call("serve", case, "--no-open", "--port", "0")
+        assert told.exit_code == 0 and f"/case/{opened};" in told.stderr
+    assert {one.name for one in Workspace(tmp_path / "workbench").cases()} == {"mine", "job-t"}
+    assert call("serve", "none.toml").exit_code == 2
+
+
+def test_a_word_of_the_workbench_is_answered_with_its_command():
+    assert "see 'valvetrain serve'" in call("workbench").stderr

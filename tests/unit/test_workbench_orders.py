@@ -15,7 +15,7 @@ from valvetrain.workbench.pages.orders import KINDS, orders_for
 from valvetrain.workbench.requests import REQUESTS, STORED, JobRequest
 
 QUANTITY = {
-    "key": "train.lash", "label": "Lash", "group": "Train", "unit": "mm", "value": 0.15, "low": 0.1, "high": 0.2,
+    "key": "train.lash", "label": "Train: Lash", "unit": "mm", "value": 0.15, "low": 0.1, "high": 0.2,
 }  # fmt: skip
 
 

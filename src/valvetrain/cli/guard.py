@@ -79,7 +79,11 @@ class GuardedGroup(TyperGroup):
                     code = interrupted()
             except Exception as error:
                 given = sys.argv[1:] if args is None else args
-                code = interrupted() if noted() else _report(error, self._options_of(given))
+                code = (
+                    interrupted()
+                    if noted()
+                    else _report(error, self._options_of(given), self.commands)
+                )
             except KeyboardInterrupt:
                 code = interrupted()
             except (
@@ -151,7 +155,7 @@ def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
     return code
 
 
-def _report(error: Exception, options: Mapping[str, str]) -> int:
+def _report(error: Exception, options: Mapping[str, str], commands: Mapping[str, Any]) -> int:
     if isinstance(error, InputError):
         named = error.where.partition(" of a ")[0]
         where = OPTION_OF.get(error.where) or options.get(named, error.where)
@@ -164,7 +168,7 @@ def _report(error: Exception, options: Mapping[str, str]) -> int:
     if isinstance(error, RunFailedError):
         return _say(str(error), FAILED)
     if hasattr(error, "format_message"):  # the parser's own errors
-        return _usage(error)
+        return _usage(error, commands)
     if type(error).__name__ == "Abort":
         return interrupted()
     if isinstance(error, BrokenPipeError) and reader_left():
@@ -186,12 +190,18 @@ def _report(error: Exception, options: Mapping[str, str]) -> int:
     )
 
 
-def _usage(error: Any) -> int:
+def _usage(error: Any, commands: Mapping[str, Any]) -> int:
     message = " ".join(error.format_message().split()).rstrip(".").replace(". Did", "; did")
     context = getattr(error, "ctx", None)
     command = context.command_path if context is not None else "valvetrain"
     message = message[:1].lower() + message[1:]
-    remedy = "" if "?" in message else f"; see '{command} --help'"
+    word = message.partition("no such command '")[2].rstrip("'").lower()
+    named = (
+        f"{command} {name}"
+        for name, one in commands.items()
+        if word and word in (one.help or "").lower()
+    )
+    remedy = "" if "?" in message else f"; see '{next(named, f'{command} --help')}'"
     return _say(f"{message}{remedy}", WRONG_INPUT)
 
 

@@ -18,7 +18,6 @@ from valvetrain.explore.results import (
     Write,
     csv_writer,
     fields_of,
-    range_text,
     rows_of,
     varied_of,
 )
@@ -145,7 +144,7 @@ class StudyAnswer(ExploreAnswer):
         return self.words.amount(Amount(name, float(value)), 4)
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Every point with its status, the outputs of every run, and what was varied."""
+        """Every point with its status."""
         table, plan = self.result, self.result.plan
         names = getattr(plan.options, "names", ()) or [str(k + 1) for k in range(len(table))]
         points = tuple(
@@ -157,18 +156,9 @@ class StudyAnswer(ExploreAnswer):
             )
             for row in range(min(LISTED, len(table)))
         )  # fmt: skip
-        runs = tuple(
-            (label_of(name), run.label, *(self._cell(name, one) for one in np.percentile(values, (0, *PERCENTILES, 100))))
-            for run in plan.runs for name in self.facts.outputs if len(values := self.facts.finite(name, run))
-        )  # fmt: skip
-        varied = tuple((one.shown_name, ", ".join((one.key, *one.also)), one.operation, range_text(one)) for one in plan.varied)  # fmt: skip
         heads = ("point", "run", *(one.shown_name for one in plan.varied), *map(label_of, table.outputs), "status")  # fmt: skip
         of = "" if len(table) <= LISTED else f" of {len(table)}, which points.csv has"
-        return {
-            "points": TextTable(f"Points{of}", heads, points),
-            "runs": TextTable("Outputs of every run", ("output", "run", "least", "5 %", "50 %", "95 %", "largest"), runs),
-            "varied": TextTable("What was varied", ("quantity", "key of the case", "as", "over"), varied),
-        }  # fmt: skip
+        return {"points": TextTable(f"Points{of}", heads, points)}
 
     @property
     def stopped(self) -> bool:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Hits, Rule, Subject
-from valvetrain.findings.words import joined, speed_text
-from valvetrain.solution.branches import Branches
-from valvetrain.solution.critical import SpeedBracket
+import numpy as np
 
-#: Ranges that a finding names.
-NAMED = 4
+from valvetrain.findings.engine import Hit, Hits, Rule, Subject
+from valvetrain.findings.words import Amount, joined, speed_text
+from valvetrain.solution.branches import DIFFERS, Branches
+from valvetrain.solution.critical import SpeedBracket
+from valvetrain.solution.definition import definition_of, label_of
+
+#: Ranges that a finding names, and length (m) by which revolutions may differ before it matters to a valve.
+NAMED, SMALL = 4, 50e-6
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,22 @@ class BranchFacts(Subject):
     """Branches of the motion of a train as rules read them."""
 
     branches: Branches
+
+    @property
+    def spread(self) -> Amount:
+        """By how much the quantity differs at most between revolutions, or rising and falling speed, at one speed."""
+        values = dict[float, list[float]]()
+        for one in self.branches.points:
+            values.setdefault(one.engine_speed, []).extend(() if one.repels else one.values)
+        sizes = (np.ptp([v for v in one if math.isfinite(v)] or [0.0]) for one in values.values())
+        return Amount(self.branches.quantity, float(max(sizes)))
+
+    @property
+    def small(self) -> float:
+        """A difference (SI) of the quantity that does not matter."""
+        values = (abs(v) for one in self.branches.points for v in one.values if math.isfinite(v))
+        length = definition_of(self.branches.quantity).dimension == "length"
+        return max(DIFFERS * max(values, default=0.0), SMALL * length)
 
 
 def spans_text(spans: Sequence[SpeedBracket]) -> str:
@@ -39,8 +59,11 @@ def moves(*motions: str) -> Callable[[BranchFacts], Hits]:
         for motion in motions:
             spans = facts.branches.ranges(motion)
             if spans:
-                fields = {"spans": spans_text(spans), "motion": motion.removeprefix("period ")}
-                yield Hit(fields=fields, severity=float(len(spans)))
+                fields = {
+                    "spans": spans_text(spans), "motion": motion.removeprefix("period "), "name": label_of(facts.branches.quantity),
+                    "first": speed_text(spans[0].lower_engine_speed, ""),
+                }  # fmt: skip
+                yield Hit(facts.spread, None, None, fields, float(len(spans)))
 
     return hits
 
@@ -48,13 +71,23 @@ def moves(*motions: str) -> Callable[[BranchFacts], Hits]:
 def two_motions(facts: BranchFacts) -> Hits:
     """Rising and falling speed show different motions."""
     if spans := facts.branches.hysteresis:
-        yield Hit(fields={"spans": spans_text(spans)})
+        name = {"name": label_of(facts.branches.quantity)}
+        yield Hit(facts.spread, fields={"spans": spans_text(spans), **name})
 
 
 def simple(facts: BranchFacts) -> Hits:
-    """The motion repeats with every revolution at all speeds."""
-    if all(one.motion == "period 1" for one in facts.branches.points):
+    """The motion repeats with every revolution at all speeds, and rising and falling speed show the same."""
+    if (
+        all(one.motion == "period 1" for one in facts.branches.points)
+        and not facts.branches.hysteresis
+    ):
         yield Hit()
+
+
+def alike(facts: BranchFacts) -> Hits:
+    """Revolutions differ, but by less than matters to a valve."""
+    if facts.spread.value <= facts.small:
+        yield Hit(facts.spread, None, facts.small, {"name": label_of(facts.branches.quantity)})
 
 
 def cut(facts: BranchFacts) -> Hits:
@@ -63,17 +96,20 @@ def cut(facts: BranchFacts) -> Hits:
         yield Hit(fields={"count": str(facts.branches.revolutions)})
 
 
+SWEEP, RUN = "[valvetrain sweep {case}]", "[valvetrain run {case} --rpm {first}]"
+BY = "{name} differs by up to {value}"
 RULES = (
-    Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"),
-         reason="a small disturbance grows from revolution to revolution"),
-    Rule("W202", "decides", "at {spans} rpm a rising and a falling speed show different motions", two_motions, mark="warn"),
-    Rule("W203", "decides", "the motion repeats with every revolution, and attracts, at all speeds", simple, mark="ok",
-         unless=("W202",)),
+    Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, (), "", SWEEP, mark="ok"),
+    Rule("W204", "decides", "all revolutions are alike: {name} differs by at most {value} at any speed", alike, (),
+         "below {limit} it does not matter", SWEEP, mark="ok", unless=("W203",)),
+    Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"), (), f"{BY} from revolution to revolution", RUN,
+         unless=("W204",)),
+    Rule("W202", "decides", "at {spans} rpm a rising and a falling speed show different motions", two_motions, (), BY, SWEEP,
+         mark="warn", unless=("W203", "W204")),
     Rule("W211", "decides", "the motion repeats only every {motion} revolutions at {spans} rpm",
-         moves(*(f"period {count}" for count in range(2, 9))), mark="warn"),
-    Rule("W212", "decides", "the motion does not repeat at {spans} rpm, but disturbances do not grow", moves("irregular"), mark="warn"),
-    Rule("W213", "notes", "an orbit that repeats with every revolution is unstable at {spans} rpm: it {motion}",
-         moves("repels by fold", "repels by flip", "repels by torus")),
+         moves(*(f"period {count}" for count in range(2, 9))), (), BY, RUN, mark="warn", unless=("W204",)),
+    Rule("W212", "decides", "the motion does not repeat at {spans} rpm, but disturbances do not grow", moves("irregular"), (), BY, RUN,
+         mark="warn", unless=("W204",)),
     Rule("W214", "warns", "the march ended after {count} revolutions, before all speeds", cut,
          step="allow more revolutions, or march fewer speeds"),
 )  # fmt: skip

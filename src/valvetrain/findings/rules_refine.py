@@ -5,16 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Hits, Rule, Subject
-from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, speed_text
+from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
+from valvetrain.findings.words import UNRESOLVED, Amount, Phrase, digits_text, joined, speed_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.uncertainty import Uncertainty
 
-#: Error bars up to this share of a value count as small; a range over contact constants above this one is named.
-SMALL, MOVED = 0.01, 0.05
 #: Error bar, and half the range over contact constants, up to which a number is resolved; from there to half of it, it is rough.
 RESOLVED = 0.1
+#: Quantities by which verdicts on a motion are made, the gravest first.
+DECIDE = (
+    "float_excess_lift",
+    "loft_gap",
+    "bounce_height",
+    "minimum_cam_contact_force",
+    "peak_retainer_force",
+)
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,12 @@ class RefineFacts(Subject):
             else "".join(f" --rpm {one}" for one in texts)
         )
 
+    def place(self, row: Uncertainty, speed: str = "at {}") -> str:
+        """``at 6000 rpm, stock``: the speed, and the variant where there are several; empty of statics and modes."""
+        labels = len({one.label for one in self.study.rows if one.label}) > 1
+        where = "" if row.engine_speed is None else speed.format(speed_text(row.engine_speed))
+        return ", ".join(filter(None, (where, row.label * labels)))
+
     @property
     def rows(self) -> list[Uncertainty]:
         """Rows with an error bar of a number that is not zero."""
@@ -51,10 +63,9 @@ def share_of(row: Uncertainty) -> float:
     return abs(row.numerical / row.value)
 
 
-def place_of(row: Uncertainty) -> str:
-    """``at 6000 rpm, stock``; empty of statics and modes."""
-    speed = "" if row.engine_speed is None else f"at {speed_text(row.engine_speed)}"
-    return ", ".join(filter(None, (speed, row.label)))
+def reach_of(row: Uncertainty) -> float:
+    """Half the range over contact constants as a share of the value."""
+    return (row.range.high - row.range.low) / 2 / abs(row.value) if row.range else 0.0
 
 
 def failed(facts: RefineFacts) -> Hits:
@@ -72,12 +83,17 @@ def without(facts: RefineFacts) -> Hits:
 
 def _rough(facts: RefineFacts, low: float, high: float) -> Hits:
     """Numbers whose error bar is a share of them between two bounds."""
-    rows = [row for row in facts.rows if low <= share_of(row) < high]
+    rows = sorted((row for row in facts.rows if low <= share_of(row) < high), key=share_of)[::-1]
     if rows:
+        rest = [
+            label_of(row.quantity)
+            for row in facts.rows
+            if row not in rows and share_of(row) < RESOLVED
+        ]
         names = list(dict.fromkeys(label_of(row.quantity) for row in rows))
         yield Hit(Amount("clash_count", len(names)), fields={
-            "count": f"{len(rows)} of {len(facts.rows)} numbers", "first": names[0],
-            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "", "speeds": facts.speeds, **_moved(facts),
+            "count": f"{len(rest)} of {len(facts.rows)} numbers", "names": joined(names[:2], "nor"),
+            "speeds": facts.speeds, **_moved(facts),
         })  # fmt: skip
 
 
@@ -95,10 +111,9 @@ def _resolved(facts: RefineFacts, moves: bool) -> Hits:
     moved = _moved(facts)
     if facts.rows and bool(moved) is moves:
         row = max(facts.rows, key=share_of)
-        small = sum(share_of(one) <= SMALL for one in facts.rows)
         yield Hit(Amount(row.quantity, row.value, row.numerical), fields={
-            "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": place_of(row),
-            "small": f"{small} of {len(facts.rows)} within 1 %", "speeds": facts.speeds, **moved,
+            "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": facts.place(row),
+            "speeds": facts.speeds, **moved,
         })  # fmt: skip
 
 
@@ -112,41 +127,31 @@ def on_constants(facts: RefineFacts) -> Hits:
     return _resolved(facts, moves=True)
 
 
-def _moved(facts: RefineFacts) -> dict[str, str]:
-    """The number that contact constants move most, as fields, where that is by more than a tenth either way."""
-    widths = [
-        (one.range.high - one.range.low) / abs(one.value) if one.range else 0.0
-        for one in facts.rows
-    ]
-    most = max(widths, default=0.0)
-    if most <= 2 * RESOLVED:
+def _moved(facts: RefineFacts) -> Fields:
+    """A number that contact constants move by more than a tenth either way, as a field: the one by which a verdict
+    of this motion is made, else the one that they move most.
+    """
+    rows = [row for row in facts.rows if reach_of(row) > RESOLVED]
+    if not rows:
         return {}
-    row = facts.rows[widths.index(most)]
-    return {"moved": f"{label_of(row.quantity)} by {digits_text(100 * most, 0, 2)} %"}
+    ranks = {name: len(DECIDE) - place for place, name in enumerate(DECIDE)}
+    row = max(rows, key=lambda one: (ranks.get(one.quantity, 0), reach_of(one)))
+    assert row.range is not None
+    ends = {end: Amount(row.quantity, getattr(row.range, end)) for end in ("low", "high")}
+    moved: Fields = {"name": label_of(row.quantity), "place": facts.place(row), **ends}
+    return {"moved": Phrase("{name} {low..high}[ {place}]", moved)}
 
 
-def constants(facts: RefineFacts) -> Hits:
-    """A number that moves by more than a twentieth over the contact constants."""
-    for row in facts.rows:
-        reach = row.range
-        if reach is not None and (width := (reach.high - reach.low) / abs(row.value)) > MOVED:
-            yield Hit(Amount(row.quantity, reach.high), None, None, {
-                "name": label_of(row.quantity), "low": Amount(row.quantity, reach.low), "place": place_of(row),
-                "by": " and ".join(reach.by),
-            }, width)  # fmt: skip
-
-
+CONSTANTS, COMPARE = "[other contact constants make {moved}]", "valvetrain compare {case}[{speeds}]"
 RULES = (
     Rule("X101", "decides", "no error bar was found", without, mark="bad"),
-    Rule("X102", "decides", "{count} are not resolved: {first}[, {more}]", unresolved, (),
-         "other meshes move them by half or more[; contact constants move {moved}]", "valvetrain compare {case}[{speeds}]", mark="warn",
-         guide="uncertainty.md"),
-    Rule("X104", "decides", "{count} are rough, ± 10 to 50 %: {first}[, {more}]", rough, (),
-         "[contact constants move {moved}]", "valvetrain compare {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X102",)),
-    Rule("X105", "decides", "meshes move no number by more than {share}", on_constants, (),
-         "but contact constants move {moved}", "valvetrain run {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X10",)),
-    Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "{small}",
+    Rule("X102", "decides", "{count} hold within 10 %, but {names} not within 50 %", unresolved, (),
+         CONSTANTS, COMPARE, mark="warn", guide="uncertainty.md"),
+    Rule("X104", "decides", "{count} hold within 10 %, but not {names}", rough, (), CONSTANTS, COMPARE, mark="warn",
+         guide="uncertainty.md", unless=("X102",)),
+    Rule("X105", "decides", "finer numerics move no number by more than {share}", on_constants, (), "but {moved} rests on contact constants",
+         "valvetrain run {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X10",)),
+    Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "",
          "valvetrain run {case}[{speeds}]", mark="ok", unless=("X10",)),
     Rule("X110", "warns", "not all runs ended: {said}[; {more}]", failed),
-    Rule("X120", "notes", "{name}[ {place}] rests on contact {by}: {low..value}", constants, guide="uncertainty.md"),
 )  # fmt: skip

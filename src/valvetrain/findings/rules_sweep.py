@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
@@ -21,10 +20,17 @@ SIZES = {"contact-loss": "loft_gap", "float": "float_excess_lift", "bounce": "bo
 #: Cause of the end of a range -> what is said of it.
 ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolution": "scatter"}
 SPEED = "contact_loss_engine_speed"
-#: Share of a critical speed from which its range is named, and within which two springs are alike.
-WIDE, ALIKE = 0.004, 0.01
-#: Quantities by which two springs are compared: stress amplitude is half of what lies between the two.
-STRESS = ("open_nominal_shear_stress", "closed_nominal_shear_stress")
+#: Share of a critical speed from which its range is named, and within which two springs are alike; share of a stress
+#: amplitude from which one breaks first.
+WIDE, ALIKE, WEAKER = 0.004, 0.01, 1.05
+#: Quantities by which two springs are compared, and by which a stress amplitude follows from forces.
+STRESS = "largest_amplitude_shear_stress"
+RANGE_OF = (
+    "minimum_spring_force",
+    "peak_spring_force",
+    "open_nominal_shear_stress",
+    "open_spring_force",
+)
 SURGING = ("surge_amplitude_force",)
 
 
@@ -196,10 +202,8 @@ def _angle(facts: Facts, loss: Loss, run: Solution | None) -> Said:
     first = loss.row.cam_angle
     if loss.at_onset and math.isfinite(first):
         return Amount("loft_cam_angle", first)
-    if run is None:
+    if run is None or loss.row.kind == "bounce":
         return ""
-    if loss.row.kind == "bounce":
-        return landing(facts, run).get("angle", "")
     largest = loss_of(facts, run, facts.losses(run))
     return "" if largest is None else largest.fields["angle"]
 
@@ -299,33 +303,32 @@ def gains(facts: Facts) -> list[float]:
     return found
 
 
-def _left(facts: Facts) -> Fields:
-    """What each of two springs leaves on the cam at the highest speed in use at which both keep it."""
-    runs = [
-        {round(run.engine_speed, 6): run for run in facts.runs if run.label == one}
-        for one in facts.study.labels
-    ]
-    for speed in sorted(set.intersection(*map(set, runs)), reverse=True):
-        left = [facts.amount(one[speed], CONTACT[0]) for one in runs]
-        amounts = sorted((one for one in left if one), key=lambda one: one.value)
-        if len(amounts) == len(runs) and amounts[0].value > 0:
-            return {"least": amounts[0], "most": amounts[-1], "there": speed_text(speed)}
-    return {}
+def _both_keep(facts: Facts) -> str:
+    """The highest speed in use at which both of two springs keep the cam, as text; empty for none."""
+    left: dict[float, list[float]] = {}
+    for force, run in facts.amounts(CONTACT[0]):
+        left.setdefault(round(run.engine_speed, 6), []).append(force.value)
+    both = [at for at, forces in left.items() if len(forces) > 1 and min(forces) > 0]
+    return speed_text(max(both)) if both else ""
 
 
 def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
-    """The better of two springs first, to which speed each keeps control, what each presses with at full lift, and a model
-    that gives a second opinion.
+    """The better of two springs first, to which speed each keeps control, which breaks first, and a model that gives a
+    second opinion.
     """
     (better, high), (other, low) = found
     more = gains(facts)
-    least, most = (f"{round(end(more) / RPM):d}" if more else "" for end in (min, max))
-    loads = {run.spring_set: facts.amount(run, "open_spring_force") or "" for run in facts.runs}
+    least, most = (
+        f"{round(end(more) / RPM):d}".replace("-", "−") if more else "" for end in (min, max)
+    )
+    stress = sorted(amplitudes(facts).items(), key=lambda one: one[1].value)
+    weaker = len(stress) == 2 and stress[1][1].value > WEAKER * stress[0][1].value
     simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
     return {
-        "gain": f"{about(more[0])} rpm" if more else "", "range": f"{least} to {most}" if least != most else "",
-        "better": better, "other": other, "high": reached(high), "low": reached(low), "load": loads.get(better, ""),
-        "against": loads.get(other, ""), "model": "wave-rod" if simple else "modal-uniform", **_left(facts),
+        "gain": f"{about(more[0])} rpm" if more else "", "range": "" if weaker or least == most else f"{least} to {most}",
+        "better": better, "other": other, "high": reached(high), "low": reached(low), "weak": stress[1][0] if weaker else "",
+        **({"stress": stress[1][1], "less": stress[0][1]} if weaker else {}), "model": "wave-rod" if simple else "modal-uniform",
+        "there": _both_keep(facts),
     }  # fmt: skip
 
 
@@ -371,14 +374,17 @@ def most_surge(facts: Facts) -> dict[str, tuple[float, float]]:
     return {name: max(sizes) for name, sizes in found.items() if sizes}
 
 
-def largest(facts: Facts, names: Sequence[str], factor: float = 1.0) -> dict[str, float]:
-    """Name and largest number of either spring of a pair: ``factor`` times a quantity less others."""
-    found: dict[str, float] = {}
+def amplitudes(facts: Facts) -> dict[str, Amount]:
+    """Name of either spring of a pair -> largest stress amplitude of its runs: that along its wire, else half of the range
+    of its force, by the stress for each newton at full lift.
+    """
+    found: dict[str, Amount] = {}
     for run in facts.runs if pair(facts) else ():
-        values = [run.quantities.get(name, math.nan) for name in names]
-        size = factor * (values[0] - sum(values[1:]))
-        if math.isfinite(size):
-            found[run.spring_set] = max(size, found.get(run.spring_set, 0.0))
+        low, high, stress, force = (facts.value(run, name) for name in RANGE_OF)
+        along = facts.value(run, STRESS)
+        size = along if along > 0 else (high - low) / 2 * stress / force
+        if size > (found[run.spring_set].value if run.spring_set in found else 0.0):
+            found[run.spring_set] = Amount(STRESS, size)
     return found
 
 
@@ -389,7 +395,7 @@ WHY = "[{cause}][, at {angle}][, up to {size} at {there}]"
 LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 PARTS = "valvetrain study --parts {case}"
-GAIN = "[gain {range} rpm with other model and damping][; {load} against {against} at full lift]"
+GAIN = "[{weak} breaks first: shear amplitude {stress} against {less}][gain {range} rpm with other model and damping]"
 SECOND = "valvetrain sweep {case} --model {model}"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 

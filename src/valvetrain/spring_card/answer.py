@@ -18,7 +18,7 @@ from valvetrain.spring_card.rules import MISSED, RULES, CardFacts, apart
 from valvetrain.spring_card.tester import TesterFit
 from valvetrain.springs.stress import nominal_stress_per_force
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.style import LEAD, OTHER, SECOND, FigureSpec, line, panels, styled
+from valvetrain.views.style import LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
 #: Points of the curve of a card's spring.
@@ -92,25 +92,20 @@ class CardAnswer(ShownByRules):
         return [one.remark for one in self.findings if one.remark]
 
     def tables(self) -> Mapping[str, TextTable]:
-        """What was assumed and noted, the pitch law of a table, and every number of the spring."""
+        """What was assumed and noted, and the pitch law of a table."""
         notes = tuple((str(one),) for one in self.findings.by("Z1") if one.level == "notes")
         law = self.facts.stations
         stations = () if law is None else zip(law.coil, law.pitch, 2 * law.spread, strict=True)
         pitch = tuple((f"{coil:.2f}", self.words.between(Amount("length", *bars))) for coil, *bars in stations)  # fmt: skip
-        numbers = tuple((label_of(name), self.words.amount(Amount(name, value), 4)) for name, value in self.facts.quantities.items())  # fmt: skip
         return {
             "assumed": TextTable("Assumptions and notes", ("",), notes),
             "pitch": TextTable("Pitch law behind the table", ("coil", "pitch"), pitch),
-            "numbers": TextTable("Numbers of the spring", ("quantity", "value"), numbers),
         }
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Force over height with the points that were given, and the pitch."""
-        pitch = {"pitch": FigureSpec("Pitch over the coils", "rise of the wire per turn, unloaded", _pitch)}  # fmt: skip
+        """Force over height with the points that were given."""
         line = "the line is the finite-element rod" if self.facts.wire else "stations of the table"
-        return {"force": FigureSpec("Force and rate over height", line, _force)} | (
-            pitch if self.facts.wire else {}
-        )
+        return {"force": FigureSpec("Force and rate over height", line, _force)}
 
     def computed(self) -> Iterator[str]:
         """How the spring was found."""
@@ -162,21 +157,6 @@ def _force(facts: CardFacts) -> go.Figure:
     fig.add_trace(line(1e3 * heights, rate, "rate", LEAD, showlegend=False), 2, 1)
     fig.update_yaxes(range=[0, min(1.15 * np.max(rate), 6 * np.median(rate))], row=2)
     return styled(fig, "height between the seats, mm", ("force, N", "rate, N/mm"), 440)
-
-
-def _pitch(facts: CardFacts) -> go.Figure:
-    """Pitch and wire diameter (mm) over the coils; of a table the stations of the law with their intervals."""
-    wire, fig = facts.wire, go.Figure()
-    assert wire is not None
-    coil = np.linspace(0.0, wire.total_coils, 601)
-    fig.add_trace(line(coil, 1e3 * wire.pitch.value(coil), "pitch", LEAD))
-    fig.add_trace(line(coil, 1e3 * wire.wire_diameter.value(coil), "wire diameter: coils closed", OTHER, "dash"))  # fmt: skip
-    if (law := facts.stations) is not None:
-        bars, marker = {"array": 2e3 * law.spread}, {"color": SECOND}
-        fig.add_trace(go.Scatter(x=law.coil, y=1e3 * law.pitch, error_y=bars, name="stations, 95 %", mode="markers", marker=marker))  # fmt: skip
-    return styled(fig, "coil, from the lower tip", ("pitch, mm",), 320).update_yaxes(
-        rangemode="tozero"
-    )
 
 
 def answer_of_spring(fit: SpringFit | TesterFit) -> CardAnswer:

@@ -68,20 +68,13 @@ def doubted(facts: CardFacts) -> Hits:
 
 
 def missed(facts: CardFacts) -> Hits:
-    """A number of the card, but its solid height, is more than 1 % off what the others make."""
-    for one in (
-        held for fit in facts.by_card for held in fit.held if held.quantity != "solid_height"
-    ):
+    """A number of the card is more than 1 % off what the others make."""
+    for one in (held for fit in facts.by_card for held in fit.held):
         if one.requested and abs(apart(one)) > MISSED:
-            name, limit = {"name": label_of(one.quantity)}, one.requested
-            yield Hit(Amount(one.quantity, one.found), None, limit, name, abs(apart(one)))
-
-
-def other_height(facts: CardFacts) -> Hits:
-    """The solid height of the card is more than 1 % off that of the wire."""
-    wire = facts.wire
-    if wire is not None and wire.solid_heights_differ:
-        yield Hit(Amount("solid_height", wire.computed_solid_height), None, wire.solid_height)
+            counts = one.quantity == "solid_height"
+            yield Hit(Amount(one.quantity, one.found), None, one.requested, {
+                "name": label_of(one.quantity), "counts": counts * "the height of the card counts",
+            }, abs(apart(one)))  # fmt: skip
 
 
 def off_table(facts: CardFacts) -> Hits:
@@ -92,9 +85,7 @@ def off_table(facts: CardFacts) -> Hits:
 def of_card(facts: CardFacts) -> Hits:
     """A wire has the numbers of the card."""
     for fit in facts.by_card:
-        apart_by = [
-            abs(apart(one)) for one in fit.held if one.requested and one.quantity != "solid_height"
-        ]
+        apart_by = [abs(apart(one)) for one in fit.held if one.requested]
         bind = "" if "turns" in fit.free else Amount("solid_height", fit.definition.solid_height)
         yield Hit(Amount("rate", fit.held[2].found), fields={
             "force": Amount("preload", fit.held[0].found), "bind": bind, "count": str(len(apart_by)), "share": percent(max(1e-3, *apart_by)),
@@ -176,7 +167,7 @@ GUIDE = "springs-from-cards.md"
 RULES = (
     Rule("Z101", "decides", "hardly the card of one spring: its loads make {value:2} active turns of {turns:2}", doubted, ("active_coil_count",),
          "", "enter a dual spring as two, each with its own wire; else check wire, diameters and loads", guide=GUIDE),
-    Rule("Z102", "decides", "card and wire disagree: {name} {limit:4} on the card, {value:4} by its other numbers", missed, (), "",
+    Rule("Z102", "decides", "card and wire disagree: {name} {limit:4} on the card, {value:4} by its other numbers", missed, (), "[{counts}]",
          "measure the spring, or give this command the table of a spring tester", guide=GUIDE, mark="warn"),
     Rule("Z103", "decides", "the wire is up to {off:2} off the table", off_table, (), "{share} of its largest force",
          "check wire, diameters, material and units, or give --total-coils", guide=GUIDE, mark="warn"),
@@ -187,8 +178,6 @@ RULES = (
          "the wire meets the table within {off:2}, {share} of its largest force", CHECK, mark="ok", unless=("Z10",)),
     Rule("Z112", "decides", "the table makes a rate of {value:4}, {force:4}[, coil bind at {bind:3}]", by_table, (),
          "no wire is known", "give --wire-diameter and --outer-diameter for the wire", mark="ok", unless=("Z10", "Z111")),
-    Rule("Z119", "warns", "the card says solid at {limit:4}, and its wire binds at {value:4}", other_height, ("solid_height",),
-         "the height of the card counts", guide=GUIDE),
     Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
          "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
     Rule("Z121", "notes", "{said}", noted),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +16,15 @@ from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.units import unit_factor
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import BAD, LEAD, OTHER, SECOND, FigureSpec, dots, line, styled
-from valvetrain.views.table import Line, TextTable
+from valvetrain.views.table import Line
 
-HINT = "Lines attract: blue as the speed rises, orange as it falls. Red marks repel; grey dots are revolutions of motion that never repeats."
+HINT = "A stable motion has a point for each revolution until it repeats; motions that never repeat scatter. The train leaves unstable ones."
+#: First words of a motion -> how it is called.
+CALLED = {
+    "period 1": "repeats every revolution",
+    "period": "repeats every {} revolutions",
+    "repels": "unstable, by a {}",
+}
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,9 @@ class BranchesAnswer(ShownByRules):
     @property
     def title(self) -> str:
         """The run and what is drawn."""
-        return f"{self.branches.label}: branches of {label_of(self.branches.quantity)}"
+        return (
+            f"{self.branches.label}: {label_of(self.branches.quantity)} of rising and falling speed"
+        )
 
     @property
     def facts(self) -> BranchFacts:
@@ -42,45 +50,31 @@ class BranchesAnswer(ShownByRules):
     @property
     def lines(self) -> list[Line]:
         """Each kind of motion with its speeds, and how large the quantity is there."""
-        rows = list[Line]()
-        for motion in dict.fromkeys(one.motion for one in self.branches.points):
+        rows, quantity = list[Line](), self.branches.quantity
+        for motion in sorted({one.motion for one in self.branches.points}):
             values = [v for one in self.branches.points if one.motion == motion for v in one.values if math.isfinite(v)]  # fmt: skip
-            most = (
-                self.words.amount(Amount(self.branches.quantity, max(values)), 3) if values else ""
+            ends = (Amount(quantity, end(values)) for end in (min, max)) if values else ()
+            called = CALLED.get(motion) or CALLED.get(motion.split()[0], motion)
+            cells = (
+                f"{spans_text(self.branches.ranges(motion))} rpm",
+                self.words.span(*ends) if values else "",
             )
-            rows.append(Line(motion, (f"{spans_text(self.branches.ranges(motion))} rpm", most)))
+            rows.append(Line(called.format(motion.split()[-1]), cells))
         return rows
 
     @property
     def headings(self) -> list[str]:
-        """Speeds, and the largest value."""
-        return ["engine speed", f"largest {label_of(self.branches.quantity)}"]
+        """Speeds and values."""
+        return ["engine speed", label_of(self.branches.quantity)]
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """The picture of branches."""
         return {"branches": FigureSpec("Branches of motion", HINT, picture)}
 
-    def tables(self) -> Mapping[str, TextTable]:
-        """Every point."""
-        rows = tuple(
-            (
-                f"{one.engine_speed / RPM:.6g} rpm",
-                "rising" if one.rising else "falling",
-                one.motion,
-                self.words.amount(Amount(self.branches.quantity, max(one.values)), 4),
-                f"{one.multiplier:.3f}" if math.isfinite(one.multiplier) else "",
-                f"{one.exponent:.2f}" if math.isfinite(one.exponent) else "",
-            )
-            for one in sorted(self.branches.points, key=lambda point: point.engine_speed)
-        )
-        columns = ("engine speed", "march", "motion", "largest", "multiplier", "Lyapunov exponent")
-        return {"points": TextTable("Every point", columns, rows)}
-
     def computed(self) -> tuple[str, ...]:
         """How the march went."""
         return (
             f"Each speed starts from the motion of the one before; {self.branches.revolutions} revolutions.",
-            "An orbit whose cycles come ten times nearer each attracts; of others the largest multiplier is computed.",
             "Unstable orbits are those that the search of a march meets; parts behind a fold are not followed.",
         )
 
@@ -92,20 +86,27 @@ def picture(facts: BranchFacts) -> go.Figure | None:
     factor = 1 / unit_factor(shown)
     fig = go.Figure()
 
-    def add(points: list[BranchPoint], name: str, colour: str) -> None:
+    def add(points: Sequence[BranchPoint], name: str, colour: str, size: int) -> None:
         pairs = [(one.engine_speed / RPM, factor * value) for one in points for value in one.values]
         if pairs:
             speeds, values = np.array(pairs).T
-            fig.add_trace(dots(speeds, values, name, colour))
+            fig.add_trace(dots(speeds, values, name, colour).update(marker_size=size))
 
-    add([one for one in branches.points if not (one.period or one.repels)], "never repeats", OTHER)
-    for rising, name, colour in ((True, "rising", LEAD), (False, "falling", SECOND)):
+    for rising, name, colour, size in (
+        (True, "stable, rising", LEAD, 9),
+        (False, "stable, falling", SECOND, 5),
+    ):
         motions = branches.attracting(rising)
-        alone = [one.values[0] if one.period == 1 else math.nan for one in motions]
-        speeds = np.array([one.engine_speed for one in motions]) / RPM
-        if len(motions):
-            fig.add_trace(line(speeds, factor * np.array(alone), name, colour, connectgaps=False))
-        add([one for one in motions if one.period > 1], f"{name}, several revolutions", colour)
-    add([one for one in branches.points if one.repels], "repels", BAD)
+        add([one for one in motions if one.period], name, colour, size)
+        alone = [factor * one.values[0] if one.period == 1 else math.nan for one in motions]
+        speeds = [one.engine_speed / RPM for one in motions]
+        fig.add_trace(line(speeds, alone, name, colour, connectgaps=False, showlegend=False))
+    add([one for one in branches.points if one.repels], "unstable", BAD, 7)
+    add([one for one in branches.points if not (one.period or one.repels)], "scatter", OTHER, 4)
     label = f"{label_of(branches.quantity)}, {shown}"
-    return styled(fig, "engine speed, rpm", (label,), 420) if fig.data else None
+    styled(fig, "engine speed, rpm", (label,), 380)
+    return (
+        fig.update_layout(hovermode="closest").update_yaxes(automargin=True)
+        if branches.points
+        else None
+    )

@@ -273,9 +273,7 @@ def order_map(facts: Facts) -> go.Figure | None:
 SPEEDS_FIGURE = FigureSpec(
     "Where control is lost", "bars: ranges of engine speed; below: forces of every run", speeds
 )
-SPIN = FigureSpec(
-    "Bounce and loft over engine speed", "dotted: limits; points: what was measured", spin
-)
+SPIN = FigureSpec("Bounce and loft over engine speed", "dotted: limits", spin)
 FORCES = FigureSpec("Forces over engine speed", "below 10 kHz", forces)
 ORDER_MAP = FigureSpec(
     "Cam orders of surge over engine speed", "dashed: the surge frequency of the spring", order_map

@@ -10,15 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from valvetrain.findings.engine import Findings, Mark, above, below
+from valvetrain.findings.engine import Fields, Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.rules_sweep import (
     ALIKE,
     SPEED,
-    STRESS,
     SURGING,
-    largest,
+    amplitudes,
     most_surge,
     pair,
     reached,
@@ -198,7 +197,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring"):
             continue
-        cells = tuple(_cell(row, facts, run, brief) for run in runs)
+        cells = _cells(row, facts, runs, brief)
         if not any(cells):
             continue
         about = findings.about(row.reads)
@@ -207,7 +206,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         told.add(telling.code if telling else "")
         remark = telling.remark if telling else row.note
         if telling and telling.engine_speed is not None and telling.engine_speed not in speeds:
-            remark += f" at {speed_text(telling.engine_speed)}"
+            remark += f" at {speed_text(telling.engine_speed)}" * (" rpm" not in remark)
         limit = "" if mark or row.limit is None else row.limit.kept(facts, runs[-1], brief)
         if limit:
             mark, remark = "ok", ", ".join(filter(None, (remark, limit)))
@@ -221,17 +220,17 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
         return []
     sets = [run.spring_set for run in runs]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
-    surge, stress = most_surge(facts), largest(facts, STRESS, 0.5)
+    surge, stress = most_surge(facts), amplitudes(facts)
     most = [surge.get(name, (math.nan, 0.0)) for name in sets]
     cells = [
         f"{words.amount(Amount(SURGING[0], size))} at {about(at)} rpm" if size >= 0 else ""
         for size, at in most
     ]
-    borne = [Amount(STRESS[0], stress[name]) if name in stress else None for name in sets]
     lines = (
         Line("in control", ends, "", "of the speeds searched"),
         Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
-        Line("shear amplitude", tuple(words.amount(one) if one else "" for one in borne), "", f"endless to {' or '.join(ENDLESS)}"),
+        Line("shear amplitude", tuple(words.amount(stress[name]) if name in stress else "" for name in sets), "",
+             f"half its range in motion, endless to {' or '.join(ENDLESS)}"),
     )  # fmt: skip
     return [one for one in lines if any(one.cells)]
 
@@ -245,12 +244,20 @@ def _added_rows() -> Iterator[Row]:
                 yield Row(one.label, (f"{{{one.name}}}",), of=of)
 
 
-def _cell(row: Row, facts: Facts, run: Solution, words: Words) -> str:
-    """A row of one run; empty where numbers are missing."""
-    fields = {name: one for name in row.reads if (one := facts.amount(run, name)) is not None}
-    for text in row.texts:
-        try:
-            return words.fill(text, fields)
-        except MissingFieldError:
-            continue
-    return ""
+def _cells(row: Row, facts: Facts, runs: list[Solution], words: Words) -> tuple[str, ...]:
+    """A row of all runs by the template that most of them can fill, so that all cells say the same; empty where numbers
+    are missing.
+    """
+    names = {
+        id(run): {name: one for name in row.reads if (one := facts.amount(run, name))}
+        for run in runs
+    }
+    rows = [tuple(_filled(text, names[id(run)], words) for run in runs) for text in row.texts]
+    return max(rows, key=lambda cells: sum(map(bool, cells)))
+
+
+def _filled(text: str, fields: Fields, words: Words) -> str:
+    try:
+        return words.fill(text, fields)
+    except MissingFieldError:
+        return ""

@@ -9,12 +9,13 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from valvetrain.cli.options import choose_case
 from valvetrain.cli.outcome import complain, tell
 from valvetrain.cli.request import QuietLine, command_without_case
 from valvetrain.errors import InputError, MissingExtraError
@@ -42,6 +43,12 @@ MISSING = (
 class ServeLine(QuietLine):
     """The command line of ``serve``."""
 
+    case: str = option(
+        read_text,
+        "Case that is opened: a file, of which a copy is made, or a library case.",
+        metavar="[CASE]",
+        default="",
+    )
     folder: Path = option(
         read_path,
         "Workspace: cases, runs and jobs; made where absent.",
@@ -105,9 +112,7 @@ class ServeLine(QuietLine):
 
 
 def serve(line: ServeLine) -> None:
-    """Serve the workbench: choose or upload a case, change it in forms, run it, watch and compare
-    its answers, in a browser.
-    """
+    """Serve the workbench in a browser: choose or upload a case, change it in forms, run it, watch and compare its answers."""
     from valvetrain.workbench.settings import (
         ServeSettings,
         check_settings,
@@ -138,6 +143,8 @@ def _serve(line: ServeLine, settings: ServeSettings) -> None:
     workspace = Workspace(line.folder)
     release = workspace.hold()
     try:
+        if line.case:
+            settings = replace(settings, case=workspace.opened(choose_case(line.case)))
         with Jobs(workspace, line.most_running, line.most_waiting, line.limit) as jobs:
 
             def listening() -> None:

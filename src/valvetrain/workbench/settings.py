@@ -20,6 +20,7 @@ class ServeSettings:
     token : what a visitor must show, empty where none is required (loopback)
     names : names of this machine that a browser may call it by, in addition to its addresses
     open_page : open the first page in a browser
+    case : id of the case whose page is the first one; empty: the start
     most_upload : largest uploaded file (bytes)
     most_body : largest body of any request, and largest message of a socket (bytes)
     most_sessions : pages that are open at a time
@@ -31,6 +32,7 @@ class ServeSettings:
     token: str = ""
     names: tuple[str, ...] = ()
     open_page: bool = False
+    case: str = ""
     most_upload: int = 5_000_000
     most_body: int = 6_000_000
     most_sessions: int = 32
@@ -44,7 +46,12 @@ class ServeSettings:
         'http://127.0.0.1:8420/'
         """
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}{self.path}"
+
+    @property
+    def path(self) -> str:
+        """Path of the first page: that of the case, else the start."""
+        return f"/case/{self.case}" if self.case else "/"
 
     @property
     def first_page(self) -> str:

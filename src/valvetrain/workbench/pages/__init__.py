@@ -74,7 +74,7 @@ def start(
             dark=False,
             language="en-US",
             reload=False,
-            show=settings.open_page and not settings.token,
+            show=settings.open_page and not settings.token and settings.path,
             tailwind=False,
             show_welcome_message=False,
             reconnect_timeout=30.0,

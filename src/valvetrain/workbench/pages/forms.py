@@ -14,12 +14,11 @@ ENGINE_SPEED = "engine_speed"
 
 
 def sliding(groups: Sequence[Group]) -> list[dict[str, Any]]:
-    """Quantities that a slider may move: place, words, unit, value, ends and step."""
+    """Quantities that a slider may move: place, words with the part, unit, value, ends and step."""
     return [
         {
             "key": field.key,
-            "label": field.label,
-            "group": group.title,
+            "label": f"{group.title}: {field.label}",
             "unit": field.unit,
             "value": field.number,
             "low": field.slider[0],
@@ -49,7 +48,6 @@ def engine_speed(case: Case) -> list[dict[str, Any]]:
         {
             "key": ENGINE_SPEED,
             "label": "Engine speed",
-            "group": "Operation",
             "unit": "rpm",
             "value": float(value),
             **ends,

@@ -104,7 +104,7 @@ def _varied(quantity: Mapping[str, Any]) -> Choice:
     }
     return {
         "value": quantity["key"],
-        "label": f"{quantity['group']}: {quantity['label']}",
+        "label": quantity["label"],
         "sets": {name: text.strip() for name, text in sets.items()},
     }
 

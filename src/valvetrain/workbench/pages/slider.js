@@ -9,11 +9,6 @@ export default {
   },
   computed: {
     chosen() { return this.quantities.find((one) => one.key === this.key); },
-    grouped() {
-      const groups = new Map();
-      this.quantities.forEach((one) => { groups.set(one.group, [...(groups.get(one.group) || []), one]); });
-      return [...groups];
-    },
     // The float speed stands first: it is searched for when the slider rests.
     shownNumbers() {
       const first = this.floats && this.numbers.length ? [{ label: "Float speed, about", value: this.floatSays || "computing", unit: "" }] : [];
@@ -92,7 +87,7 @@ export default {
   <div class="row end live-row">
     <div class="labelled quantity"><label for="live-quantity">Quantity</label>
       <select id="live-quantity" v-model="key" @change="pick" @focus.once="$emit('begin')"><option value="" disabled>choose …</option>
-        <optgroup v-for="[name, list] in grouped" :key="name" :label="name"><option v-for="one in list" :key="one.key" :value="one.key">{{ one.label }}</option></optgroup>
+        <option v-for="one in quantities" :key="one.key" :value="one.key">{{ one.label }}</option>
       </select></div>
     <template v-if="chosen">
       <div class="labelled slide"><label for="live-slider">{{ chosen.label }}: {{ words(chosen.low) }} to {{ words(chosen.high) }} {{ chosen.unit }}</label>
