@@ -105,7 +105,7 @@ RULES = (
     Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"), (), f"{BY} from revolution to revolution", RUN,
          unless=("W204",)),
     Rule("W202", "decides", "at {spans} rpm a rising and a falling speed show different motions", two_motions, (), BY, SWEEP,
-         mark="warn", unless=("W203", "W204")),
+         mark="warn", unless=("W204",)),
     Rule("W211", "decides", "the motion repeats only every {motion} revolutions at {spans} rpm",
          moves(*(f"period {count}" for count in range(2, 9))), (), BY, RUN, mark="warn", unless=("W204",)),
     Rule("W212", "decides", "the motion does not repeat at {spans} rpm, but disturbances do not grow", moves("irregular"), (), BY, RUN,

@@ -40,16 +40,12 @@ class RefineFacts(Subject):
         """Its engine speeds as an option of a command; empty of statics and modes."""
         found = dict.fromkeys(row.engine_speed for row in self.study.rows if row.engine_speed)
         texts = [speed_text(one, "") for one in found]
-        return (
-            f" --rpm '{', '.join(texts)}'"
-            if texts[1:]
-            else "".join(f" --rpm {one}" for one in texts)
-        )
+        return f" --rpm '{', '.join(texts)}'" if texts else ""
 
-    def place(self, row: Uncertainty, speed: str = "at {}") -> str:
+    def place(self, row: Uncertainty, template: str = "at {}") -> str:
         """``at 6000 rpm, stock``: the speed, and the variant where there are several; empty of statics and modes."""
         labels = len({one.label for one in self.study.rows if one.label}) > 1
-        where = "" if row.engine_speed is None else speed.format(speed_text(row.engine_speed))
+        where = "" if row.engine_speed is None else template.format(speed_text(row.engine_speed))
         return ", ".join(filter(None, (where, row.label * labels)))
 
     @property
@@ -85,14 +81,10 @@ def _rough(facts: RefineFacts, low: float, high: float) -> Hits:
     """Numbers whose error bar is a share of them between two bounds."""
     rows = sorted((row for row in facts.rows if low <= share_of(row) < high), key=share_of)[::-1]
     if rows:
-        rest = [
-            label_of(row.quantity)
-            for row in facts.rows
-            if row not in rows and share_of(row) < RESOLVED
-        ]
+        fine = sum(share_of(row) < RESOLVED for row in facts.rows)
         names = list(dict.fromkeys(label_of(row.quantity) for row in rows))
         yield Hit(Amount("clash_count", len(names)), fields={
-            "count": f"{len(rest)} of {len(facts.rows)} numbers", "names": joined(names[:2], "nor"),
+            "count": f"{fine} of {len(facts.rows)} numbers", "names": joined(names[:2], "nor"),
             "speeds": facts.speeds, **_moved(facts),
         })  # fmt: skip
 
