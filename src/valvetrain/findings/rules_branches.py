@@ -99,7 +99,7 @@ def cut(facts: BranchFacts) -> Hits:
 SWEEP, RUN = "[valvetrain sweep {case}]", "[valvetrain run {case} --rpm {first}]"
 BY = "{name} differs by up to {value}"
 RULES = (
-    Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, (), "", SWEEP, mark="ok"),
+    Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, step=SWEEP, mark="ok"),
     Rule("W204", "decides", "all revolutions are alike: {name} differs by at most {value} at any speed", alike, (),
          "below {limit} it does not matter", SWEEP, mark="ok", unless=("W203",)),
     Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"), (), f"{BY} from revolution to revolution", RUN,

@@ -143,7 +143,7 @@ RULES = (
          guide="uncertainty.md", unless=("X102",)),
     Rule("X105", "decides", "finer numerics move no number by more than {share}", on_constants, (), "but {moved} rests on contact constants",
          "valvetrain run {case}[{speeds}]", mark="warn", guide="uncertainty.md", unless=("X10",)),
-    Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "",
-         "valvetrain run {case}[{speeds}]", mark="ok", unless=("X10",)),
+    Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved,
+         step="valvetrain run {case}[{speeds}]", mark="ok", unless=("X10",)),
     Rule("X110", "warns", "not all runs ended: {said}[; {more}]", failed),
 )  # fmt: skip
