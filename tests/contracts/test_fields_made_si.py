@@ -203,7 +203,6 @@ ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "buckling, diameter": (lambda x: buckling_compression(0.08, x), 0.005, LENGTH),
     "resolution": (lambda x: Sweep.read({"case": "job-t", "resolution": x}).resolution, 20 * np.pi / 30, "20 rpm"),
     "float lift": (lambda x: Sweep.read({"case": "job-t", "float_lift": x}).float_lift, 0.005, LENGTH),
-    "bounce height": (lambda x: Sweep.read({"case": "job-t", "bounce_height": x}).bounce_height, 0.005, LENGTH),
     "shear modulus": (lambda x: vt.parameters.Material("steel", 206e9, x, 7850.0).shear_modulus, 80e9, "80 GPa"),
     "density": (lambda x: vt.parameters.Material("steel", 206e9, 80e9, x).density, 7800.0, "7.8 g/cm^3"),
     "sample interval": (lambda x: batch(interval=x).time[-1], 2e-6, SECOND),

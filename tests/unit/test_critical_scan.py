@@ -11,6 +11,7 @@ from dataclasses import replace
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.case import Limits
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.critical_ranges import Variant
 from valvetrain.runs.critical_scan import Scan, SpeedSample
@@ -163,8 +164,9 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
 
 
 def test_options_are_read_with_their_units_and_refused_where_they_cannot_be_meant() -> None:
-    given = {"resolution": "20 rpm", "float_lift": "0.03 mm", "bounce_height": 2e-4}
-    read = Sweep.read({"case": "job-t", **given}).critical_options
+    case = load_case("job-t").replace(limits=Limits(bounce="0.2 mm"))
+    given = {"resolution": "20 rpm", "float_lift": "0.03 mm"}
+    read = Sweep.read({"case": case, **given}).critical_options
     numbers = read.resolution * 30 / math.pi, read.float_lift, read.bounce_height
     assert numbers == pytest.approx((20, 3e-5, 2e-4))
     for name, text in (("resolution", "0 rpm"), ("float_lift", "-1 mm"), ("resolution", "10 mm")):

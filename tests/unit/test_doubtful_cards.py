@@ -4,12 +4,14 @@ dual spring are doubted; a single whose open load is near solid is met, or refus
 
 from __future__ import annotations
 
+import math
 import warnings
 
 import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.dual_spring import read_pair
 from valvetrain.parameters.loading import parse_case
 from valvetrain.spring_card import SpringLoad
@@ -115,3 +117,20 @@ def test_a_manual_with_free_length_and_two_loads_takes_the_rate_of_the_loads():
 def test_a_weighed_card_may_state_its_diameter_without_the_wire():
     loads = {"preload": "150 lbf", "installed_height": "1.80 in", "open_load": "420 lbf", "open_height": "1.14 in"}  # fmt: skip
     assert card_of(**loads, outer_diameter="1.29 in", mass="45 g").mass == pytest.approx(0.045)
+
+
+@pytest.mark.parametrize(
+    ("given", "doubted"),
+    [({}, False), ({"mass": 1.1}, False), ({"mass": 1.5}, True), ({"active_coils": 1.3}, True)],
+)
+def test_mass_or_turns_that_do_not_go_with_rate_and_wire_are_doubted(given, doubted):
+    """First surge of n turns in closed form: d sqrt(G / (2 rho)) / (2 pi D^2 n), with n = G d^4 / (8 D^3 k)."""
+    wire, mean, rate, shear, density = 2.9e-3, 19.6e-3, 28e3, 79.5e9, 7850.0
+    sizes = {"preload": 165.0, "rate": rate, "wire_diameter": wire, "mean_diameter": mean}
+    plain, turns = SpringCard(**sizes), shear * wire**4 / (8 * mean**3 * rate)
+    surge = wire * math.sqrt(shear / (2 * density)) / (2 * math.pi * mean**2 * turns)
+    assert plain.surge_frequency == pytest.approx(surge, rel=1e-12)
+    of_wire = {"mass": plain.mass, "active_coils": turns}
+    card = SpringCard(**sizes, **{key: share * of_wire[key] for key, share in given.items()})
+    assert (f"{surge:.0f} Hz" in card.doubt) == doubted == bool(card.doubt)
+    assert not doubted or f"{card.surge_frequency:.0f} Hz" in card.doubt

@@ -46,6 +46,10 @@ def linear(lash, width):
     return {"seating_velocity": 1 + 10 * lash + width, "clash_energy": 2.0}
 
 
+def tied(lash, width):
+    return {"seating_velocity": float(lash > 0.5), "clash_energy": 2.0}
+
+
 def breaks(lash, width):
     if lash > 0.7:
         raise ValueError("the coils overlap")
@@ -113,6 +117,7 @@ STUDIES = {
     "ramp": lambda: along_lash(ramp),
     "valley": lambda: along_lash(valley),
     "map": lambda: of_function(linear, "grid", levels=4),
+    "tied": lambda: of_function(tied, "grid", levels=4),
     "draws": lambda: of_function(linear, "sobol", count=64),
     "sobol": lambda: of_function(linear, "saltelli", count=64),
     "noise": lambda: of_function(noise, "sobol", count=32),
@@ -142,7 +147,7 @@ def answer(name: str) -> StudyAnswer:
 #: Rule -> a study in which it holds, and one in which it does not. J111 and J133: see below.
 RULES = {
     "J101": ("never", "breaks"), "J112": ("ramp", "valley"), "J113": ("valley", "ramp"), "J114": ("ramp", "valley"), "J120": ("still", "draws"),
-    "J121": ("noise", "draws"), "J122": ("draws", "noise"), "J130": ("breaks", "map"), "J131": ("without", "map"),
+    "J115": ("tied", "map"),    "J121": ("noise", "draws"), "J122": ("draws", "noise"), "J130": ("breaks", "map"), "J131": ("without", "map"),
     "J132": ("doubtful", "sound"), "J134": ("narrow", "wide"),
 }  # fmt: skip
 
@@ -160,13 +165,11 @@ def test_points_within_the_error_bar_have_no_best():
     no_best, best = answer("narrow"), answer("wide")
     assert no_best.verdict.code == "J134" and no_best.verdict.mark == "warn"
     assert not {"J111", "J112", "J113"} & {*no_best.findings.codes}
-    marks = [{one.mark for one in shown.lines} for shown in (no_best, best)]
-    assert marks == [{""}, {"", "ok"}]
-    stars = [
-        [one.name for one in next(iter(figures_of(shown).values())).data]
-        for shown in (no_best, best)
-    ]
-    assert "best" in stars[1] and "best" not in stars[0]
+    shown = (no_best, best, answer("tied"))
+    marks = [{one.mark for one in each.lines} for each in shown]
+    assert marks == [{""}, {"", "ok"}, {""}] and answer("tied").verdict.fields["count"] == "8"
+    stars = [[one.name for one in next(iter(figures_of(each).values())).data] for each in shown]
+    assert ["best" in names for names in stars] == [False, True, False]
 
 
 def test_a_best_point_at_the_end_is_said_to_be_one_and_its_quantity_is_named_once():

@@ -37,21 +37,36 @@ def tell_progress(share: float | None, text: str) -> None:
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Report]:
-    """A bar with the time left while the block runs, on a terminal only; yields ``report(share
-    done, what was just done)``.
+    """A bar with the time left while the block runs; without a terminal one line, where that is more than a minute. Yields
+    ``report(share done, what was just done)``.
     """
     tell_progress(0.0, "; ".join([title, *_AHEAD]))
     _AHEAD.clear()
-    if manner().quiet or not sys.stderr.isatty():
+    if manner().quiet:
         yield tell_progress
         return
-    with _terminal_bar(title) as draw:
+    with _terminal_bar(title) if sys.stderr.isatty() else _one_line(title) as draw:
 
         def report(done: float, text: str) -> None:
             tell_progress(done, text)
             draw(done, text)
 
         yield report
+
+
+@contextmanager
+def _one_line(title: str) -> Iterator[Report]:
+    """The time left, once, as soon as it is known to be more than a minute."""
+    begun, said = time.monotonic(), False
+
+    def report(done: float, text: str) -> None:
+        nonlocal said
+        elapsed = time.monotonic() - begun
+        if not said and elapsed * (1 - done) > 60 * done > 0:
+            said = True
+            tell(f"{title}: {time_left(elapsed, done)}")
+
+    yield report
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case, vary
 from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.space import Varied
+from valvetrain.findings.facts import Facts
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import inline
 from valvetrain.runs.api import simulate
@@ -38,8 +39,8 @@ OF_TRAIN = {
 }
 #: Engine speeds of a study of lash, as shares of the highest one in use.
 SHARES = (0.6, 0.8, 1.0)
-#: Lashes that are tried, over that of the case or (mm) a usual one.
-LASHES, USUAL_LASH = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 0.2
+#: Lashes that are tried, over that of the case or (mm) a usual one; step down to a speed at which no contact is lost.
+LASHES, USUAL_LASH, SLOWER = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 0.2, 0.9
 _MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
 
 
@@ -116,13 +117,17 @@ points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed 
 
 
 def _lash(case: Case, name: str) -> str:
-    """Where and how fast the valve lands, over lash and engine speed."""
+    """Where and how fast the valve lands, over lash and engine speeds at which it follows its cam: after a flight it lands anywhere."""
     if case.train is None:
         raise InputError("a spring alone has no lash; give the case of an engine", "--case")
-    speeds = ", ".join(f"{share * _top(case):.0f}" for share in SHARES)
+    in_use = top = _top(case)
+    while top > SHARES[0] * SLOWER * in_use and _loses_contact(case, top):
+        top *= SLOWER
+    kept = f"; above {top:.0f} rpm the valve leaves its cam" if top < in_use else ""
+    speeds = ", ".join(f"{share * top:.0f}" for share in SHARES)
     usual = to_unit(case.train.lash, "mm") or USUAL_LASH
     lashes = ", ".join(f"{share * usual:.4g}" for share in LASHES)
-    return f"""# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts.
+    return f"""# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts{kept}.
 #
 #     valvetrain study NAME.toml
 
@@ -139,6 +144,11 @@ key = "train.lash"
 values = "{lashes} mm"
 label = "lash"
 """
+
+
+def _loses_contact(case: Case, speed_in_rpm: float) -> bool:
+    facts = Facts(simulate(case, f"{speed_in_rpm:.0f} rpm"))
+    return not facts.runs or any(facts.losses(run) for run in facts.runs)
 
 
 def _search(case: Case, name: str) -> str:

@@ -259,14 +259,9 @@ def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDAr
     if (
         name == facts.outputs[0]
         and "best" in facts.ends
-        and not (facts.within_bar or facts.over_speed)
+        and not (facts.within_bar or facts.over_speed or facts.tied)
     ):
-        rows = (
-            np.arange(len(facts.table))
-            .reshape(len(facts.draws), -1)[facts.designs[facts.ends["best"]]]
-            .ravel()
-        )
-        k = rows[np.argmin(facts.sign(name) * facts.column(name)[rows])]
+        k = facts.worst_row(facts.ends["best"])
         star = {"color": OK, "size": 14, "symbol": "star"}
         fig.add_scatter(x=[x[k]], y=[y[k]], mode="markers", name="best", marker=star, showlegend=True)  # fmt: skip
 

@@ -205,6 +205,13 @@ class StudyFacts(Subject):
             found |= {"case": int(places[0])} if len(places) else {}
         return found | {"worst" if sign else "largest": int(np.nanargmin(order))}
 
+    @cached_property
+    def tied(self) -> list[int]:
+        """Designs that share the best value of the first output; none where one alone has it."""
+        values = self.judged(self.outputs[0]) if "best" in self.ends else np.empty(0)
+        best = np.flatnonzero(values == values[self.ends["best"]]).tolist() if len(values) else []
+        return best if len(best) > 1 and not self.over_speed else []
+
     def bar(self, name: str) -> float:
         """The error bar of an output as a share of its value: the largest of those that were computed, 0 where none was."""
         bars = vars(self.table).get("error_bars", {})  # nothing is computed here
@@ -278,6 +285,18 @@ class StudyFacts(Subject):
             {"leader": effects[0].varied.shown_name, "by": most},
         )
 
+    def worst_row(self, design: int) -> int:
+        """The row of a design at the worst of its engine speeds and runs, by the first output."""
+        count, name = len(self.table.plan.runs), self.outputs[0]
+        rows = [point * count + k for point in self.designs[design] for k in range(count)]
+        return int(rows[np.argmin((self.sign(name) or 1) * self.column(name)[rows])])
+
+    def speed_at(self, row: int) -> float | None:
+        """Engine speed (rad/s) of a row, as varied or of its run; None at rest."""
+        rows = zip(self.table.plan.varied, self.table.inputs[row].tolist(), strict=True)
+        varied = (value for one, value in rows if one.key == ENGINE_SPEED)
+        return next(varied, self.table.runs[row].engine_speed)
+
     def command(self, design: int, only: Varied | None = None) -> str:
         """The command that runs a design again, at the worst of its engine speeds and runs; empty where a value is a list.
         With ``only`` one of its quantities has the value of the design, the others those of the case.
@@ -285,15 +304,11 @@ class StudyFacts(Subject):
         table, plan, name = self.table, self.table.plan, self.outputs[0]
         if plan.case is None or (plan.case.changed and not self.called):
             return ""
-        count = len(plan.runs)
-        rows = [point * count + k for point in self.designs[design] for k in range(count)]
-        row = int(rows[np.argmin((self.sign(name) or 1) * self.column(name)[rows])])
-        speed, model, spring_set = table.runs[row]
+        row = self.worst_row(design)
+        speed, (_, model, spring_set) = self.speed_at(row), table.runs[row]
         words = list[str]()
         for one, value in zip(plan.varied, table.inputs[row].tolist(), strict=True):
-            if one.key == ENGINE_SPEED:
-                speed = value
-            elif only not in (None, one):
+            if one.key == ENGINE_SPEED or only not in (None, one):
                 continue
             elif all(texts := [setting(plan.case, part, value) for part in one.parts]):
                 words += [word for text in texts for word in ("--set", text)]

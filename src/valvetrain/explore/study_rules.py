@@ -11,7 +11,7 @@ from valvetrain.explore.evaluate import MAX_POINTS
 from valvetrain.explore.samplers import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts, put_in
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule
-from valvetrain.findings.words import Amount, digits_text
+from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.solution.definition import label_of
 
 #: Fewest values of a grid along one quantity whose shape is named; share of the output's range within which it is flat, and
@@ -79,10 +79,12 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     """A design and the one that it is compared with, by an output."""
     values, count = facts.worst(name), len(facts.designs[0]) * len(facts.table.plan.runs)
     judged = name not in facts.limits and facts.sign(name) and count > 1
+    speed = facts.speed_at(facts.worst_row(design))
+    place = "" if speed is None else f", at {speed_text(speed)}"
     return {
         "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
         "clearance": facts.amount(facts.clearance, facts.worst(facts.clearance)[design]) if facts.clearance else "",
-        "worst_of": f"worst of {count} runs" if judged else "", "step": facts.command(design), "moved": facts.moved(),
+        "worst_of": f"worst of {count} runs{place}" if judged else "", "step": facts.command(design), "moved": facts.moved(),
     }  # fmt: skip
 
 
@@ -135,6 +137,19 @@ def best_point(facts: StudyFacts) -> Hits:
             "end": at_end_of_range(facts, best),
             "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if facts.listed or len(facts.along) == 1 else "",
         })  # fmt: skip
+
+
+def tie(facts: StudyFacts) -> Hits:
+    """Several chosen points have the best value of the output."""
+    for design in facts.tied[:1]:
+        name, last = facts.outputs[0], facts.label(facts.tied[-1])
+        fields: Fields = {
+            "name": label_of(name),
+            "point": facts.label(design),
+            "last": last,
+            "count": str(len(facts.tied)),
+        }
+        yield Hit(facts.amount(name, facts.judged(name)[design]), fields=fields)
 
 
 def price(facts: StudyFacts) -> Hits:
@@ -227,11 +242,13 @@ RULES = (
          unless=("J12", "J134")),
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
+    Rule("J115", "decides", "{count} points tie by {name}, all {value:4}", tie, (), "{point} to {last}",
+         "put an output first that tells them apart", mark="", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
          "[{value:4}][ at {clearance} of clearance][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
          mark="ok", unless=("J11", "J12", "J134")),
     Rule("J114", "warns", "{name} is worse there: {value:3}, {reference:3} with {other}", price,
-         unless=("J111", "J12", "J134")),
+         unless=("J111", "J115", "J12", "J134")),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
          "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
     Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),

@@ -16,6 +16,7 @@ from valvetrain.findings.control import Control, control_of
 from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.critical import BOUNCE_HEIGHT
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import SWEEPS, Study
@@ -35,8 +36,6 @@ LOSSES = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 #: What decides blows and raw peaks, of which no error bar tells.
 CONSTANTS = "contact constants"
 LOST = ("loft", "loss-of-contact")
-#: Height of a bounce (m) that counts where the case sets no limit.
-BOUNCE = 100e-6
 #: Ranges of engine speed that a sentence names.
 SPANS = 3
 TURN = 2 * math.pi
@@ -98,7 +97,7 @@ class Facts:
             return max(0.0, value) if name in LOSSES else value
         still = self.study.still
         places = (still.get(key, {}) for key in (run.label, run.spring_set, run.model, ""))
-        limits = {"permitted_bounce_height": BOUNCE, **dict(self.study.record.limits)}
+        limits = {"permitted_bounce_height": BOUNCE_HEIGHT, **dict(self.study.record.limits)}
         return next((float(one[name]) for one in (*places, limits) if name in one), math.nan)
 
     def amount(self, run: Solution, name: str) -> Amount | None:

@@ -175,6 +175,7 @@ RULES = (
 )  # fmt: skip
 OF_TRAIN = (
     Rule("K102", "warns", STRIKE, strikes, CLASH, BLOW, remark=STRIKES, guide="how-to/16-force-spikes.md"),
-    Rule("K105", "notes", "no coil strikes another[ {where}]", quiet, CLASH, remark="no coil strikes another", mark="ok",
+    Rule("K105", "notes", "no coil strikes another harder than the spring presses at rest[ {where}]", quiet, CLASH,
+         remark="no blow above the load at rest", mark="ok",
          guide="how-to/16-force-spikes.md", unless=("K102", "K121")),
 )  # fmt: skip

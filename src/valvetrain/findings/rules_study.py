@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule
-from valvetrain.findings.facts import BOUNCE, Facts
+from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import (
     CONTACT,
     FLOAT,
@@ -72,9 +72,11 @@ def pulls(facts: Facts) -> Hits:
 
 
 def too_hard(facts: Facts) -> Hits:
-    """Coils clash harder than the reduced rod is made for, as its error bars show."""
+    """The forces of a reduced rod are further from those of its rod than it is made for, as its error bars show."""
     for one in with_code(facts.study.error_bars.facts, "too-hard"):
-        yield Hit(fields={"speed": speed_text(float(one.fields["engine_speed"]))})
+        share = max(float(one.fields["peak_share"]), float(one.fields["minimum_share"]))
+        speed = speed_text(float(one.fields["engine_speed"]))
+        yield Hit(fields={"speed": speed, "share": f"{100 * share:.0f} %"}, severity=share)
 
 
 def unsure(facts: Facts) -> Hits:
@@ -182,10 +184,11 @@ def some_bounce(facts: Facts) -> Hits:
     if facts.study.command != "compare" or lost or len(held) < 2:
         return
     every = {run.model: facts.amount(run, "bounce_height") for run in held}
-    over = {model: one for model, one in every.items() if one and one.value - one.bar > BOUNCE}
+    limit = facts.value(held[0], "permitted_bounce_height")
+    over = {model: one for model, one in every.items() if one and one.value - one.bar > limit}
     if over:
         least, most = (way(over.values(), key=lambda one: one.value) for way in (min, max))
-        yield Hit(most, None, BOUNCE, {
+        yield Hit(most, None, limit, {
             "least": least, "most": most, "lost": joined(list(over)), "speed": speed_text(facts.speeds[-1]),
             "kept": joined([model for model in every if model not in over]),
         })  # fmt: skip
@@ -300,7 +303,7 @@ ENDS = (
     Rule("R110", "warns", "the motion does not repeat[ {where}]: cycles differ", unsettled),
     Rule("R120", "warns", "doubtful[ {where}]: the spring's ends would lift, which {model} cannot show", pulls,
          ("minimum_spring_force",), step="valvetrain run {case} --model wave-rod", remark="ends would lift", unless=("W114",)),
-    Rule("R121", "warns", "doubtful at {speed}: coils clash too hard for the reduced rod", too_hard,
+    Rule("R121", "warns", "doubtful at {speed}: spring forces of the reduced rod are {share} from those of its rod", too_hard,
          step="valvetrain run {case} --model finite-element"),
 )  # fmt: skip
 OTHERS = (Rule("M110", "notes", "other models: {said}", other_models),)

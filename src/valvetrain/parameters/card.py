@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from valvetrain.errors import UnusualValueWarning
-from valvetrain.parameters.card_doubts import doubtful_turns
+from valvetrain.parameters.card_doubts import doubtful_surge, doubtful_turns
 from valvetrain.parameters.material import Material, MaterialField, material_by_name
 from valvetrain.parameters.schema_types import (
     FOLLOWS,
@@ -281,31 +281,37 @@ class SpringCard(Table):
         """Mass (kg) that vibrates: as given, or of the active turns, rho pi^2 d^2 D n / 4; None
         where neither is given.
         """
-        if self.mass is not None or self.wire_diameter is None:
-            if self.mass is None and (
-                self.mean_diameter or self.outer_diameter or self.active_coils
-            ):
-                raise problem(
-                    "the mass from wire and coils needs wire_diameter; add it, or mass",
-                    ("wire_diameter",),
-                )
+        sizes = [one for one in (self.mean_diameter, self.outer_diameter) if one is not None]
+        if self.wire_diameter is None and self.mass is None and (sizes or self.active_coils):
+            raise problem(
+                "the mass from wire and coils needs wire_diameter; add it, or mass",
+                ("wire_diameter",),
+            )
+        if self.wire_diameter is None or (self.mass is not None and len(sizes) != 1):
             return self.mass
         mean = self.mean_of("the mass from wire and coils needs mean_diameter or outer_diameter; give one of them")  # fmt: skip
         by_rate = self.steel.shear_modulus * self.wire_diameter**4 / (8 * mean**3 * rate)
-        if by_rate < MIN_TURNS:
+        if self.mass is None and by_rate < MIN_TURNS:
             raise problem(
                 f"rate, wire and coil diameter make {by_rate:.2g} active turns, which no spring has; check wire_diameter, coil diameter, "
                 "loads and their units",
                 ("wire_diameter",),
             )
-        coils = self.active_coils or by_rate
-        if self.active_coils is None:
+        by_wire = self.steel.density * np.pi**2 * self.wire_diameter**2 * mean / 4
+        coils, mass = self.active_coils or by_rate, self.mass
+        if mass is None and self.active_coils is None:
             doubt = doubtful_turns(by_rate, self.wire_diameter, self.solid_height, None)
             self.__dict__["doubt"] = doubt
-        if not 0.7 < coils / by_rate < 1.4:
+        else:
+            surge, of_wire = (
+                0.5 * math.sqrt(rate / one) for one in (mass or by_wire * coils, by_wire * by_rate)
+            )
+            turns = self.active_coils if mass is None else None
+            self.__dict__["doubt"] = doubtful_surge(surge, of_wire, by_rate, turns)
+        if mass is None and not 0.7 < coils / by_rate < 1.4:
             raise problem(
                 f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card has {rate / 1e3:.3g} N/mm, which "
                 f"takes {by_rate:.3g} active coils; correct one of them, or give mass",
                 ("wire_diameter",),
             )
-        return float(self.steel.density * np.pi**2 * self.wire_diameter**2 * mean * coils / 4)
+        return float(by_wire * coils) if mass is None else mass

@@ -2,9 +2,37 @@
 
 from __future__ import annotations
 
+#: Share within which the surge of the mass on a card is that of its wire.
+SAME_SURGE = 0.1
 #: Fewest active turns that EN 13906-1 computes, and most inactive turns at either closed end of a
 #: valve spring (one is common, a published single with 6.15 turns in all has 1.3).
 MIN_ACTIVE, MAX_INACTIVE = 2.0, 1.6
+
+
+def doubtful_surge(surge: float, of_wire: float, free_turns: float, turns: float | None) -> str:
+    """Why the mass or the turns of a card do not go with its wire, as a sentence; empty where the surge differs by less than
+    :data:`SAME_SURGE`.
+
+    Parameters
+    ----------
+    surge : first frequency (Hz) by rate and mass of the card
+    of_wire : that of as many turns of the wire as give the rate (Hz)
+    free_turns : those turns
+    turns : active turns on the card; None where it has a mass
+
+    Examples
+    --------
+    >>> doubtful_surge(653.0, 810.0, 3.34, None)[:65]
+    'the mass makes a surge of 653 Hz, but the 3.34 free turns of wire'
+    """
+    if abs(surge / of_wire - 1) <= SAME_SURGE:
+        return ""
+    given, key = ("mass", "mass") if turns is None else (f"{turns:.3g} turns", "active_coils")
+    verb = "makes" if turns is None else "make"
+    return (
+        f"the {given} {verb} a surge of {surge:.0f} Hz, but the {free_turns:.3g} free turns of wire that give the rate make {of_wire:.0f} Hz; "
+        f"leave out {key}, or check wire, coil diameter and rate"
+    )
 
 
 def doubtful_turns(

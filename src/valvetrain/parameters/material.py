@@ -57,14 +57,16 @@ class Material(Table):
                     f"shear_modulus {shear / 1e9:g} GPa contradicts youngs_modulus and poisson_ratio, "
                     f"which make {by_ratio / 1e9:.4g} GPa; drop one"
                 )
+        name = self.name or "unnamed"
         if None in values.values():
             if not self.name:
                 raise problem(
                     "a material needs youngs_modulus, shear_modulus (or poisson_ratio) and density, or a name from the library"
                 )
             of_library = guarded(material_by_name, self.name)
+            name = name if any(values.values()) else of_library.name
             values = {key: value or getattr(of_library, key) for key, value in values.items()}
-        for key, value in {**values, "name": self.name or "unnamed"}.items():
+        for key, value in {**values, "name": name}.items():
             object.__setattr__(self, key, value)
         if not -1.0 < self.poisson_ratio < 0.5:
             raise problem(
@@ -98,23 +100,32 @@ _ALL = (
     Material("AISI 4340", 205e9, 80.0e9, 7850.0),
 )
 MATERIALS: dict[str, Material] = {material.name: material for material in _ALL}
+#: Names of the trade: ASTM A877 beside VDSiCr as wire merchants list it (metalleschmidt.de), the others by the common
+#: tables of equivalents, of which the moduli alone are taken.
+TRADE_NAMES = {
+    **dict.fromkeys(("chrome silicon", "CrSi", "SiCr", "SAE 9254", "ASTM A877", "OTEVA 70"), "EN 10270-2 VDSiCr"),
+    **dict.fromkeys(("chrome vanadium", "CrV", "ASTM A232"), "EN 10270-2 VDCrV"),
+    **dict.fromkeys(("music wire", "piano wire", "ASTM A228"), "EN 10270-1 SH"),
+    "AISI 302": "EN 10270-3 1.4310", "17-7 PH": "EN 10270-3 1.4568",
+}  # fmt: skip
 
 
 def material_by_name(name: str) -> Material:
-    """The library material ``name``, capitals, spaces and the number of its standard ignored. Raises
+    """The library material ``name``, capitals, spaces and the number of its standard ignored; names of the trade too. Raises
     :class:`InputError` naming the nearest ones.
 
-    >>> material_by_name("VDSiCr").name
-    'EN 10270-2 VDSiCr'
+    >>> material_by_name("VDSiCr").name, material_by_name("chrome-silicon").name
+    ('EN 10270-2 VDSiCr', 'EN 10270-2 VDSiCr')
     """
     word = _key(name)
-    found = {_key(known): material for known, material in MATERIALS.items()}.get(word)
+    names = {known: known for known in MATERIALS} | TRADE_NAMES
+    found = {_key(known): MATERIALS[full] for known, full in names.items()}.get(word)
     ends = [one for known, one in MATERIALS.items() if _key(known.split()[-1]) == word]
     if found is None and len(ends) == 1:
         found = ends[0]
     if found is None:
         raise InputError(
-            f"material '{name[:40]}' is not in the library; {nearest(name, tuple(MATERIALS))}"
+            f"material '{name[:40]}' is not in the library; {nearest(name, tuple(names))}"
         )
     return found
 

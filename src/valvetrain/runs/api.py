@@ -145,7 +145,7 @@ def sweep(
         events and named quantities only;
         ``critical_speeds``, False leaves out the search of a train's critical speeds; with ``outputs`` they are searched only
         where one of them is among these;
-        ``resolution``, ``float_lift``, ``bounce_height``, ``ranges`` as for :func:`critical_speeds`
+        ``resolution``, ``float_lift``, ``ranges`` as for :func:`critical_speeds`
 
     Returns
     -------
@@ -188,7 +188,6 @@ def critical_speeds(
         ``resolution``, a fifth of the distance of the speeds scanned, and to what a change is narrowed where the motion does
         not repeat; "10 rpm", rad/s or a pint quantity;
         ``float_lift``, lift above the rigid one beyond which the valve floats, "0.05 mm", m or a pint quantity;
-        ``bounce_height``, height above the seat beyond which a bounce counts, likewise;
         ``ranges``, repeat each speed with finer numerics and with the springs' damping times 0.6 and 1.5;
         False gives the nominal speeds alone, in about half the time
 

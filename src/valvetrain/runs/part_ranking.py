@@ -227,7 +227,8 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
         for one in base.critical_speeds
         if any(speed <= max(ends) for speed in (one.deciding_speed, *(each.engine_speed for each in one.members)))
     )  # fmt: skip
-    options = CriticalOptions(RESOLUTION * limit, request.float_lift, request.bounce_height)
+    asked = request.critical_options or CriticalOptions()
+    options = replace(asked, resolution=RESOLUTION * limit, ranges=True)
     search = Search(request, (first, last), kinds, options)
     ranking = replace(ranking, first_engine_speed=first, last_engine_speed=last)
     parts = tuple(parts_of(train, request.spring_sets[0], largest_lift(problem)))

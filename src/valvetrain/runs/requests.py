@@ -246,13 +246,6 @@ class Sweep(SpeedRequest):
         "LIFT",
         default="0.05 mm",
     )
-    bounce_height: float = option(
-        partial(read_positive, "length"),
-        "Height beyond which a bounce counts.",
-        "--bounce-height",
-        "LIFT",
-        default="0.1 mm",
-    )
     ranges: bool = option(
         read_switch,
         "Repeat each critical speed with finer numerics and other damping.",
@@ -273,8 +266,10 @@ class Sweep(SpeedRequest):
         if not self.critical_speeds or (self.requested and not self.requested.searches):
             return None
         from valvetrain.runs.critical_speeds import CriticalOptions
+        from valvetrain.solution.critical import BOUNCE_HEIGHT
 
-        return CriticalOptions(self.resolution, self.float_lift, self.bounce_height, self.ranges)
+        bounce = self.case.limits.bounce or BOUNCE_HEIGHT
+        return CriticalOptions(self.resolution, self.float_lift, bounce, self.ranges)
 
     def with_speeds(self) -> Self:
         """The request with speeds to 1.2 times the red line where none is given."""
