@@ -1,7 +1,10 @@
 """case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> findings -> views
 
-Dynamics of valve springs and valvetrains. Public names are in ``__init__.pyi`` of this package and
-of its folders; each loads its module on first use, so that ``import valvetrain`` costs next to nothing.
+Dynamics of valve springs and valvetrains. ``docs/architecture.md`` follows a run along this line, file by file: the command
+through ``cli/main.py`` and ``cli/run.py``, the study in ``runs/run.py``, its page in ``views``.
+
+Public names are in ``__init__.pyi`` of this package and of its folders; each loads its module on first use, so that
+``import valvetrain`` costs next to nothing.
 """
 
 from __future__ import annotations

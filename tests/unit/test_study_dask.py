@@ -227,7 +227,7 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
 
 
 def test_estimates_are_made_by_the_workers_of_the_cluster(monkeypatch):
-    """Closed form: four workers take a quarter of one's time, and no memory of this machine."""
+    """Closed form: forty workers take a fortieth of the time of one, and no memory of this machine."""
     monkeypatch.setattr(Cluster, "_its_workers", lambda self: 40)
     plan = read_plan(FileText(TEXT.format(count=64), "study", Path(), StudyModel))
     alone, two = estimate_study(plan, 1), estimate_study(plan, 2)

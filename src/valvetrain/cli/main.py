@@ -73,7 +73,7 @@ def __getattr__(name: str) -> typer.Typer:
 
 
 def main() -> None:
-    """The console script."""
+    """Load the requested command alone, and run it."""
     # Runs are parallel over cases; linear algebra on matrices of this size only loses to threads of
     # its own (2.2 s instead of 1.5).
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

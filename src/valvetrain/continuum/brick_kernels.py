@@ -38,7 +38,8 @@ _CONSTANTS, _BRANCH = np.uint64(CONSTANT_ROWS * LANES), np.uint64(STRAINS * LANE
 _F, _G, _E, _M, _P = (np.uint64(row * LANES) for row in (0, 9, 21, 39, 51))
 _Q = np.uint64((21 + 6) * LANES)
 SCRATCH = 60 * LANES
-#: Lanes as multiples, prepared beforehand: signed or computed offsets would be checked and stop vectorisation.
+#: Places of rows 1, 2, ... of a block, and (below, in words) plain counts: signed or computed offsets would be checked and
+#: stop vectorisation.
 _1, _2, _3, _4, _5, _6, _7, _8, _9, _10, _11 = (np.uint64(n * LANES) for n in range(1, 12))
 _12, _21 = np.uint64(12 * LANES), np.uint64(21 * LANES)
 _15, _18 = np.uint64(15 * LANES), np.uint64(18 * LANES)
@@ -68,7 +69,12 @@ SIGNS = np.array(
 
 @njit(**OPTIONS)
 def block_strains(x, constants, work, corners, stride, quad, block, first, width):
-    """Deformation gradient, hourglass vectors and the 18 strains of a block into its scratch."""
+    """Deformation gradient, hourglass vectors and the 18 strains of a block into its scratch.
+
+    ``x``: positions (m), ``constants``, ``work``: scratch of :data:`SCRATCH` numbers, all flat and as the module lays them
+    out; ``corners`` (quads, 8): places in ``x`` of the corners of each quadrilateral, without station. Unsigned integers
+    (uint64): ``stride`` of a component, ``quad``, ``block``: place of its constants, ``first`` station, ``width``: spans.
+    """
     for axis in range(_THREE):
         shift = axis * stride + first
         p0, p1 = corners[quad, 0] + shift, corners[quad, 1] + shift

@@ -52,8 +52,7 @@ def disc_section(core: int = 2, rings: int = 1, quadratic: bool = True) -> Secti
     """O-grid with ``core`` x ``core`` quads inside ``rings`` rings of 4 ``core`` quads, of the area
     of the unit disc.
 
-    ``quadratic``: whether the quads' sides follow their middles. Raises :class:`InputError` below
-    one core cell or ring.
+    ``quadratic``: whether the sides of the quads are curved. Raises :class:`InputError` below one core cell or ring.
     """
     if core < 1 or rings < 1:
         raise InputError(

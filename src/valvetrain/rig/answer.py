@@ -164,17 +164,18 @@ class RigAnswer(ShownByRules):
 
     def _channel(self, channel: RigChannelCycles) -> Line:
         name, peak, (top, least) = channel.cycles.quantity, mean_peak(channel), peaks_of(channel)
-        bar = peak.interval if math.isfinite(peak.interval) else 0.0
         high, low = (
-            self.words.amount(amount, 4)
-            for amount in (Amount(name, peak.mean, bar), Amount(name, least.mean, least.interval))
+            self.words.amount(
+                Amount(name, one.mean, one.interval if math.isfinite(one.interval) else 0.0), 4
+            )
+            for one in (peak, least)
         )
         at = (
             ""
             if math.isnan(angle_of(top))
             else f"{digits_text(math.degrees(peak.cam_angle), 0, 4)} deg"
         )
-        scatter = f"± {self.words.amount(Amount(name, top.scatter), 2)}" if top.scatter else ""
+        scatter = f"± {self.words.amount(Amount(name, top.scatter), 2)}" if top.scatter > 0 else ""
         mark: Mark = (
             "bad" if channel.clipped else "warn" if channel in self.facts.drifting() else "ok"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -64,8 +65,8 @@ class RigChannelCycles:
 
 
 class Peak(NamedTuple):
-    """An extreme of the cycles of a channel, SI and rad: mean, half width of its 95 % interval, and
-    standard deviation over the cycles; its angle and the scatter of that. NaN: none.
+    """An extreme of the cycles of a channel, in SI units and rad: mean, half width of its 95 % interval, and standard
+    deviation over the cycles; its circular mean angle and the scatter of that. NaN: none, as of a single cycle.
     """
 
     quantity: str
@@ -84,8 +85,10 @@ def peaks_of(channel: RigChannelCycles) -> list[Peak]:
         values, angles = channel.peaks(sign)
         middle = float(np.angle(np.mean(np.exp(1j * angles))) % (2 * np.pi))
         away = (angles - middle + np.pi) % (2 * np.pi) - np.pi
-        spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
-        interval = student(len(values)) * spread / np.sqrt(len(values)) if spread else 0.0
+        spread, interval = math.nan, math.nan
+        if len(values) > 1:
+            spread = float(np.std(values, ddof=1))
+            interval = student(len(values)) * spread / math.sqrt(len(values))
         scatter_of_angle = float(np.sqrt(np.mean(away**2)))
         mean = float(np.mean(values))
         peaks.append(

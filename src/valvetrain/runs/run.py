@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,10 +16,7 @@ from valvetrain.measured.speed_table import read_speed_table
 from valvetrain.runs.critical_speeds import find_critical_speeds
 from valvetrain.runs.facts import run_between, study_facts, with_facts
 from valvetrain.runs.own_error_bars import own_error_bars
-from valvetrain.runs.prepared import (
-    Plan,
-    PreparedRun,
-)
+from valvetrain.runs.prepared import Plan, PreparedRun
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.requests import SpeedRequest, Sweep, Watch
 from valvetrain.runs.spring_runs import numbers_at_rest, run_springs
@@ -31,6 +28,7 @@ from valvetrain.runs.stored_error_bars import (
     with_blind,
 )
 from valvetrain.runs.train_runs import (
+    Finished,
     preloads,
     prepare_trains,
     rigid_numbers,
@@ -49,7 +47,7 @@ from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source, published_by
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
-from valvetrain.system.problem import Problem
+from valvetrain.system.problem import Problem, Rest
 
 #: Time of the search for critical speeds, and of the further runs for error bars, over that of the runs themselves.
 SEARCH_SHARE, BAR_SHARE = 1.0, 2.25
@@ -104,6 +102,40 @@ def _with_critical(study: Study) -> Study:
     return replace(study, still=still)
 
 
+@dataclass(frozen=True)
+class _Work:
+    """What the runs of a study share: the problem and its speeds (rad/s of the crank), the request and how its runs are made,
+    and where failures, progress (from 0 to 1 over the runs) and finished runs go.
+    """
+
+    problem: Problem
+    engine_speeds: tuple[float, ...]
+    request: SpeedRequest
+    plan: Plan
+    tell: Progress
+    failures: PartialFailures
+    finished: Finished | None
+
+    @property
+    def searches(self) -> bool:
+        """Whether critical speeds are searched for."""
+        return self.problem.kind == TRAIN and self.request.critical_options is not None
+
+
+@dataclass(frozen=True)
+class _Computed:
+    """Finished runs, springs at rest, numbers of no single run, and of a train runs between the speeds and critical speeds;
+    ``stopped``: before all was finished.
+    """
+
+    solutions: tuple[Solution, ...]
+    at_rest: Rest
+    still: dict[str, dict[str, float]]
+    between: tuple[Solution, ...] = ()
+    critical: CriticalSpeeds = field(default_factory=CriticalSpeeds)
+    stopped: bool = False
+
+
 def run_problem(
     problem: Problem,
     engine_speeds: Sequence[float],
@@ -120,19 +152,58 @@ def run_problem(
     problem.must_run()
     if not request.implausible:
         refuse_implausible(problem, speeds)
-    command, critical, requested = request.command, request.critical_options, request.requested
+    searches = problem.kind == TRAIN and request.critical_options is not None
+    before_bars = 1.0 + SEARCH_SHARE * searches
+    whole_time = before_bars + BAR_SHARE * bool(request.compute)
+    progress = watch.progress
+    tell: Progress = (
+        (lambda time, text: progress(time / whole_time, text)) if progress else (lambda *_: None)
+    )
+    plan = _plan_of(problem, request, watch.created_at)
+    work = _Work(problem, speeds, request, plan, tell, failures, watch.finished)
+    computed = _run_trains(work) if problem.kind == TRAIN else _run_springs(work)
+    solutions = failures.part(
+        "facts of runs", computed.solutions, with_facts, problem, computed.solutions
+    )
+    provenance = collect_provenance(
+        problem.record.name,
+        ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
+        case_digest=problem.record.digest,
+        created_at=watch.created_at,
+        citations=problem.record.citations,
+    )
+    study = Study(
+        problem.record,
+        request.command,
+        solutions,
+        tuple(computed.at_rest.values()),
+        computed.still,
+        facts=failures.part("facts", (), study_facts, problem, solutions, computed.between),
+        lift_event=problem.lift_event,
+        provenance=provenance,
+        wall_time=time.perf_counter() - begun,
+        critical_speeds=computed.critical,
+        between=computed.between,
+    )
+    study = failures.part("published values", study, next_to_published, study, problem)
+    study = replace(study, gaps=failures.sentences)
+    if computed.stopped:
+        raise StudyStopped(study)
+    return _with_error_bars(study, work, computed.at_rest, before_bars)
+
+
+def _plan_of(problem: Problem, request: SpeedRequest, created_at: str) -> Plan:
+    """How the runs are made: what is kept of each, at how many samples a turn, for how long."""
+    requested = request.requested
     whole = request.whole or (requested is not None and bool(requested.channels))
-    progress, finished, created_at = watch.progress, watch.finished, watch.created_at
-    error_bars = bool(request.compute)
-    rest = requested is None or requested.rest
     if problem.kind == TRAIN:
         samples = 720 if isinstance(request, Sweep) else None
     else:
         samples = round(2 * np.pi / problem.output_step)
     keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
-    if request.requested is not None and request.requested.ends_alone and problem.kind != TRAIN:
+    if requested is not None and requested.ends_alone and problem.kind != TRAIN:
         keep = "ends"
-    plan = Plan(
+    return Plan(
         keep,
         samples,
         whole,
@@ -142,100 +213,87 @@ def run_problem(
         request.limit.seconds,
         request.implausible,
     )
-    count = request.worker_count
-    searches = problem.kind == TRAIN and critical is not None
-    before_bars = 1.0 + SEARCH_SHARE * searches
-    whole_time = before_bars + BAR_SHARE * error_bars
-    tell: Progress = (
-        (lambda time, text: progress(time / whole_time, text)) if progress else (lambda *_: None)
-    )
-    found, stopped = CriticalSpeeds(), False
-    still: dict[str, dict[str, float]] = {}
-    ready: tuple[PreparedRun, ...] = ()
-    between: tuple[Solution, ...] = ()
-    if problem.kind == TRAIN:
-        ready, at_rest = prepare_trains(problem, speeds, failures)
-        solutions, stopped = run_trains(problem, ready, speeds, plan, count, tell, finished)
-        still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
-        for name, values in failures.part("preloads", {}, preloads, ready).items():
-            still[name] = {**still.get(name, {}), **values}
-        if isinstance(request, Sweep) and not stopped:
-            name = "runs between the swept speeds"
-            try:
-                between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
-            except PointsStopped:
-                stopped = True
-        searched = critical is not None and not stopped
-        own = tuple(
-            one for one in ready if not one.member.driven
-        )  # the train of others is that of these
-        if critical is not None and not stopped and own:
-            tell(1.0, "critical speeds")
-            runs = (*solutions, *between)
-            try:
-                found = find_critical_speeds(
-                    problem, own, plan, runs, critical, count,
-                    lambda done, total: tell(1.0 + SEARCH_SHARE * done / total, "critical speeds"),
-                )  # fmt: skip
-            except PointsStopped as stop:
-                rows = tuple(row for rows in stop.results.values() for row in rows)
-                found, stopped = CriticalSpeeds(rows), True
-            except RunFailedError as error:
-                failures.add(f"critical speeds: {reason(error)}")
-        if stopped and critical is not None:
-            failures.add(_unsearched(problem, found, searched))
-    else:
-        solutions, at_rest, gaps, stopped = run_springs(
-            problem, speeds, plan, count, tell, finished, rest or error_bars
-        )
-        for gap in gaps:
-            failures.add(gap)
-        names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
-        for name, spring in zip(names, problem.springs, strict=True):
-            if spring in at_rest:
-                part, state = f"numbers of spring '{spring.name}'", at_rest[spring]
-                still[name] = failures.part(part, {}, numbers_at_rest, problem, spring, state)
-    solutions = failures.part("facts of runs", solutions, with_facts, problem, solutions)
-    provenance = collect_provenance(
-        problem.record.name,
-        ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
-        case_digest=problem.record.digest,
-        created_at=created_at,
-        citations=problem.record.citations,
-    )
-    study = Study(
-        problem.record,
-        command,
-        solutions,
-        tuple(at_rest.values()),
-        still,
-        facts=failures.part("facts", (), study_facts, problem, solutions, between),
-        lift_event=problem.lift_event,
-        provenance=provenance,
-        wall_time=time.perf_counter() - begun,
-        critical_speeds=found,
-        between=between,
-    )
-    study = failures.part("published values", study, next_to_published, study, problem)
-    study = replace(study, gaps=failures.sentences)
-    if stopped:
-        raise StudyStopped(study)
-    stored = stored_rows(problem.record, solutions)
+
+
+def _run_springs(work: _Work) -> _Computed:
+    """Springs under prescribed motion, and their numbers at rest."""
+    problem, request, failures = work.problem, work.request, work.failures
+    rest = request.requested is None or request.requested.rest
+    solutions, at_rest, gaps, stopped = run_springs(
+        problem, work.engine_speeds, work.plan, request.worker_count, work.tell, work.finished, rest or bool(request.compute),
+    )  # fmt: skip
+    for gap in gaps:
+        failures.add(gap)
+    names = ("",) if len(problem.springs) == 1 else ("outer", "inner")
+    still = {
+        name: failures.part(f"numbers of spring '{spring.name}'", {}, numbers_at_rest, problem, spring, at_rest[spring])
+        for name, spring in zip(names, problem.springs, strict=True)
+        if spring in at_rest
+    }  # fmt: skip
+    return _Computed(solutions, at_rest, still, stopped=stopped)
+
+
+def _run_trains(work: _Work) -> _Computed:
+    """Trains, numbers of rigid theory, and where asked runs between the speeds and critical speeds."""
+    problem, speeds, plan, failures = work.problem, work.engine_speeds, work.plan, work.failures
+    count = work.request.worker_count
+    ready, at_rest = prepare_trains(problem, speeds, failures)
+    solutions, stopped = run_trains(problem, ready, speeds, plan, count, work.tell, work.finished)
+    still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
+    for name, values in failures.part("preloads", {}, preloads, ready).items():
+        still[name] = {**still.get(name, {}), **values}
+    computed = _Computed(solutions, at_rest, still, stopped=stopped)
+    if isinstance(work.request, Sweep) and not stopped:
+        name = "runs between the swept speeds"
+        try:
+            between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
+            computed = replace(computed, between=between)
+        except PointsStopped:
+            computed = replace(computed, stopped=True)
+    return _searched(work, ready, computed) if work.searches else computed
+
+
+def _searched(work: _Work, ready: tuple[PreparedRun, ...], computed: _Computed) -> _Computed:
+    """With the critical speeds of the trains, unless the study was stopped before."""
+    begun, critical = not computed.stopped, work.request.critical_options
+    assert critical is not None
+    # a member that is driven has the train of those that are not
+    trains = tuple(one for one in ready if not one.member.driven)
+    if begun and trains:
+        work.tell(1.0, "critical speeds")
+        try:
+            found = find_critical_speeds(
+                work.problem, trains, work.plan, (*computed.solutions, *computed.between), critical, work.request.worker_count,
+                lambda done, total: work.tell(1.0 + SEARCH_SHARE * done / total, "critical speeds"),
+            )  # fmt: skip
+            computed = replace(computed, critical=found)
+        except PointsStopped as stop:
+            rows = tuple(row for rows in stop.results.values() for row in rows)
+            computed = replace(computed, critical=CriticalSpeeds(rows), stopped=True)
+        except RunFailedError as error:
+            work.failures.add(f"critical speeds: {reason(error)}")
+    if computed.stopped:
+        work.failures.add(_unsearched(work.problem, computed.critical, begun))
+    return computed
+
+
+def _with_error_bars(study: Study, work: _Work, at_rest: Rest, share_before: float) -> Study:
+    """With the error bars that are stored with its case, and those of the other runs where they are asked for."""
+    stored = stored_rows(work.problem.record, study.solutions)
     rows = tuple(row for group in stored.values() for row in group)
     if stored:
-        statics = (one for one in load_uncertainty(problem.record) if one.engine_speed is None)
+        statics = (one for one in load_uncertainty(work.problem.record) if one.engine_speed is None)
         rows = (*statics, *rows)
     study = replace(study, error_bars=ErrorBars(rows))
-    barred = tuple(run for run in solutions if (run.label, run.engine_speed) not in stored)
-    if not barred or not error_bars:
+    barred = tuple(run for run in study.solutions if (run.label, run.engine_speed) not in stored)
+    if not barred or not work.request.compute:
         return study
     labels = {run.label for run in barred}
-    members = problem.only(lambda member: member.label in labels)
-    barred_problem = replace(problem, members=members)
+    members = work.problem.only(lambda member: member.label in labels)
     try:
         fresh = own_error_bars(
-            barred_problem, barred, plan, at_rest, count,
-            lambda done, total: tell(before_bars + BAR_SHARE * done / total, "error bars"),
+            replace(work.problem, members=members), barred, work.plan, at_rest, work.request.worker_count,
+            lambda done, total: work.tell(share_before + BAR_SHARE * done / total, "error bars"),
         )  # fmt: skip
     except PointsStopped:
         raise StudyStopped(replace(study, error_bars=ErrorBars())) from None

@@ -1,21 +1,23 @@
 """Compiled step of a chain of masses with unilateral coil contact. Free of allocation.
 
-``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, 1
-where the ends pull, then p upper and p
-lower nodes, then first node, length and place in the weights of the rows of those e, which are the
-last]; nodes 0 = seat, n + 1 =
-retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are
-one vectorised loop. Ends that do not
-pull are open while their element is longer than free: it then carries neither elastic nor damping
-force. Last in ``integers``: address of the law of contact (``coil_contact.kernels``).
-``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact
-damping time (s)],
-stiffness (n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p
-each), weights of the end rows, numbers of the law of contact.
-``state`` = positions (n), velocities (n), dissipated energy, then scratch of all nodes (n + 2
-each): forces, positions, velocities
-at the half step before, predicted velocities; then per contact (p each) overlap, damping impulse of
-the last step, list of the closed.
+``integers`` = [n inner masses, p contacts, r of them in the regular run, e with a fixed end, 1 where the ends pull, then p
+upper and p lower nodes, then first node, length and place in the weights of the rows of those e, which are the last]; nodes
+0 = seat, n + 1 = retainer. In the run both nodes count up by one and the fraction is constant, so its overlaps are one
+vectorised loop. Ends that do not pull are open while their element is longer than free: it then carries neither elastic nor
+damping force. Last in ``integers``: address of the law of contact (``coil_contact.kernels``).
+``parameters`` = [initial compression (m), mass damping (1/s), stiffness damping (s), contact damping time (s)], stiffness
+(n + 1), masses (n), inverse masses (n), then per contact gap, stiffness, fraction (p each), weights of the end rows, numbers
+of the law of contact.
+
+| ``state`` from | length | what |
+|---|---|---|
+| 0, n | n, n | positions (m) and velocities (m/s) of the inner masses |
+| 2 n | 1 | dissipated energy (J) |
+| 2 n + 1 | n + 2 | forces (N) of all nodes; this and the rest is scratch |
+| 3 n + 3 | n + 2 | positions of all nodes |
+| 4 n + 5 | n + 2 | their velocities at the half step before |
+| 5 n + 7 | n + 2 | their predicted velocities |
+| 6 n + 9 | p, p, p | overlap (m), damping impulse (N s) of the last step, and list of the closed contacts |
 
 Damping works on w = v + (h/2) a, v the half-step velocity and a the acceleration by elastic and
 contact forces: second order, and stable
@@ -258,7 +260,7 @@ def _compiled(kernel: Callable[..., Any], own: bool) -> Callable[..., Any]:
     return found
 
 
-def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Kernels of contact forces and of their damping: by the linear law, inlined, or by the law at
     an address, so that the branches of one do not slow the other down.
     """
@@ -312,8 +314,8 @@ def _contacts_of(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     return _compiled(contact_forces, own), _compiled(contact_damping, own)
 
 
-_contact_forces, _contact_damping = _contacts_of(own=False)
-_own_contact_forces, _own_contact_damping = _contacts_of(own=True)
+_contact_forces, _contact_damping = _contact_kernels(own=False)
+_own_contact_forces, _own_contact_damping = _contact_kernels(own=True)
 
 
 @njit(**LOOP)

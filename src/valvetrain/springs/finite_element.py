@@ -22,6 +22,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import Length, PositiveTime
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.modes import ModalResult, SpringModes
 from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve
@@ -128,12 +129,19 @@ class FiniteElementOptions(SpringOptions):
 def _make(
     spring: InstalledSpring, options: FiniteElementOptions, rest: SpringAtRest | None
 ) -> FiniteElementRod:
-    wire, precompression, seats = spring.wire, spring.precompression, str(spring.seats)
-    if wire is None:
-        assert spring.card is not None
-        lift = max(options.card_lift, spring.card.open_lift or 0.0)
-        wire, precompression = wire_from_card(spring.card, lift)
-        seats = "clamps"
+    """The rod of a wire, or of a wire that a card leaves possible and that bears the card's loads."""
+    if spring.wire is not None:
+        return _rod(spring, options, spring.wire, spring.precompression, str(spring.seats))
+    assert spring.card is not None
+    lift = max(options.card_lift, spring.card.open_lift or 0.0)
+    wire, precompression = wire_from_card(spring.card, lift)
+    return _with_loads_of(_rod(spring, options, wire, precompression, "clamps"), spring.card, lift)
+
+
+def _rod(
+    spring: InstalledSpring, options: FiniteElementOptions, wire: SpringDefinition, precompression: float, seats: str
+) -> FiniteElementRod:  # fmt: skip
+    """The rod of ``wire`` on these seats, with the damping, contact and guide of the installed spring."""
     dynamics = RodDynamics(
         mass_damping=spring.damping.mass_damping,
         stiffness_damping=spring.damping.stiffness_damping,
@@ -142,7 +150,7 @@ def _make(
         contact_law=law_of(spring.contact),
         coil_friction=options.coil_friction,
     )
-    rod = FiniteElementRod(
+    return FiniteElementRod(
         wire,
         precompression,
         options.elements_per_coil,
@@ -155,7 +163,6 @@ def _make(
         retainer_rotation=spring.retainer_rotation,
         lifting=options.lifting_ends,
     )
-    return rod if spring.card is None else _with_loads_of(rod, spring.card, lift)
 
 
 def _with_loads_of(rod: FiniteElementRod, card: SpringCard, lift: float) -> FiniteElementRod:

@@ -104,8 +104,10 @@ class FibreFactors:
 def fibre_factors(
     definition: SpringDefinition, coil: Array, fibre: str, curvature: str | None = DEFAULT_FACTOR
 ) -> FibreFactors:
-    """Stress per load at coil numbers ``coil`` (n,); ``curvature`` None leaves out curvature and
-    direct shear alike: 16 T / (pi d^3).
+    """Stress (Pa) per N m and per N at the ``inner`` or ``outer`` fibre of coil numbers ``coil`` (n,), arrays (n,).
+
+    ``curvature`` None leaves out curvature and direct shear alike: 16 T / (pi d^3). The published factors hold the direct
+    shear, which is taken out of the factor of the torsion and stands by itself.
     """
     wire, index = definition.wire_diameter.value(coil), definition.index(coil)
     side = 1.0 if fibre == "inner" else -1.0

@@ -164,7 +164,7 @@ class TrainSystem:
         )
 
     def spring_forces(self, displacements: Array) -> Array:
-        """Static force (N) of all springs at each retainer displacement (m) of a curve, in the same shape."""
+        """Static force (N) of all springs at retainer displacements (n,) in m, shape (n,)."""
         total = np.zeros(len(displacements))
         for spring in self.springs:
             if isinstance(spring, WithStaticCurve):
