@@ -74,12 +74,12 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     stored = f"finished points are stored in '{folder / POINTS}'"
 
     def announce(text: str, seconds: float) -> None:
+        announce_runs(plan.case)  # once the request was found to be within its limits
         if seconds > WORTH_SAYING:
             tell(f"{text}; {stored}")
 
     call_case(case_words(request.text))
     at_end(partial(call_case, []))
-    announce_runs(plan.case)
     result: Any = None
     try:
         with progress_bar(plan.title) as report:
