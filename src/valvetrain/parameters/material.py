@@ -100,11 +100,11 @@ _ALL = (
     Material("AISI 4340", 205e9, 80.0e9, 7850.0),
 )
 MATERIALS: dict[str, Material] = {material.name: material for material in _ALL}
-#: Names of the trade: ASTM A877 beside VDSiCr as wire merchants list it (metalleschmidt.de), the others by the common
-#: tables of equivalents, of which the moduli alone are taken.
+#: Names of the trade for these wires, as wire merchants list them (metalleschmidt.de, diamondwire.com).
 TRADE_NAMES = {
     **dict.fromkeys(("chrome silicon", "CrSi", "SiCr", "SAE 9254", "ASTM A877", "OTEVA 70"), "EN 10270-2 VDSiCr"),
     **dict.fromkeys(("chrome vanadium", "CrV", "ASTM A232"), "EN 10270-2 VDCrV"),
+    "carbon valve": "EN 10270-2 VDC", "ASTM A230": "EN 10270-2 VDC",
     **dict.fromkeys(("music wire", "piano wire", "ASTM A228"), "EN 10270-1 SH"),
     "AISI 302": "EN 10270-3 1.4310", "17-7 PH": "EN 10270-3 1.4568",
 }  # fmt: skip
