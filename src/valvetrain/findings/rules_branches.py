@@ -40,6 +40,11 @@ class BranchFacts(Subject):
         length = definition_of(self.branches.quantity).dimension == "length"
         return max(DIFFERS * max(values, default=0.0), SMALL * length)
 
+    @property
+    def alike(self) -> bool:
+        """Whether revolutions differ by less than matters to a valve."""
+        return self.spread.value <= self.small
+
 
 def spans_text(spans: Sequence[SpeedBracket]) -> str:
     """Ranges of speed in rpm: ``8630 and 8700 to 9080``."""
@@ -86,7 +91,7 @@ def simple(facts: BranchFacts) -> Hits:
 
 def alike(facts: BranchFacts) -> Hits:
     """Revolutions differ, but by less than matters to a valve."""
-    if facts.spread.value <= facts.small:
+    if facts.alike:
         yield Hit(facts.spread, None, facts.small, {"name": label_of(facts.branches.quantity)})
 
 
@@ -100,7 +105,7 @@ SWEEP, RUN = "[valvetrain sweep {case}]", "[valvetrain run {case} --rpm {first}]
 BY = "{name} differs by up to {value}"
 RULES = (
     Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, step=SWEEP, mark="ok"),
-    Rule("W204", "decides", "all revolutions are alike: {name} differs by at most {value} at any speed", alike, (),
+    Rule("W204", "decides", "revolutions are alike at every speed: {name} differs by at most {value} from one to the next", alike, (),
          "below {limit} it does not matter", SWEEP, mark="ok", unless=("W203",)),
     Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"), (), f"{BY} from revolution to revolution", RUN,
          unless=("W204",)),

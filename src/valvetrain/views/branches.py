@@ -55,6 +55,8 @@ class BranchesAnswer(ShownByRules):
             values = [v for one in self.branches.points if one.motion == motion for v in one.values if math.isfinite(v)]  # fmt: skip
             ends = (Amount(quantity, end(values)) for end in (min, max)) if values else ()
             called = CALLED.get(motion) or CALLED.get(motion.split()[0], motion)
+            if self.facts.alike and motion in ("chaotic", "irregular"):
+                called = "alike, not exactly"
             cells = (
                 f"{spans_text(self.branches.ranges(motion))} rpm",
                 self.words.span(*ends) if values else "",
