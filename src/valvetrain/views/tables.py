@@ -101,7 +101,7 @@ def source(answer: ShownStudy) -> TextTable:
 
 
 def events(answer: ShownStudy) -> TextTable:
-    """What is lost of control in every run that decides, and its largest events."""
+    """The largest events of each run that decides: where, when, how large, and why."""
     rows = []
     for run in answer.facts.runs:
         for one in _largest(run):
