@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.own_parts import part_digest
 
 if TYPE_CHECKING:
     from valvetrain.explore.experiment import Experiment
@@ -49,13 +48,6 @@ class StudyPoint:
     ) -> None:
         self.case, self.outputs, self.objects = case, tuple(outputs), dict(objects)
         self.engine_speed, self.model = engine_speed, model
-        # what stored points of a study are known by
-        names = [part_digest(one) if callable(one) else one for one in self.outputs]
-        parts = {
-            key: [part_digest(one) if callable(one) else repr(one) for one in items]
-            for key, items in self.objects.items()
-        }
-        self.__qualname__ = repr((case.digest, names, parts, repr(engine_speed), model))
         self.__name__ = case.name
 
     def __reduce__(self) -> tuple[Any, ...]:
