@@ -11,8 +11,6 @@ from functools import cached_property, partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from valvetrain.errors import InputError
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.runs.request_fields import option, read_count, read_text
@@ -254,6 +252,8 @@ def identify(
         raise InputError(
             "a computation is missing; give evaluate, or the path of an identification file"
         )
+    import numpy as np
+
     from valvetrain.explore.identification_file import IdentificationPlan
     from valvetrain.explore.identify import run_identification
     from valvetrain.explore.observe import FunctionPoints
