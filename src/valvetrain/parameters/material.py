@@ -124,8 +124,9 @@ def material_by_name(name: str) -> Material:
     if found is None and len(ends) == 1:
         found = ends[0]
     if found is None:
+        begun = tuple(known for known in names if _key(known).startswith(word))
         raise InputError(
-            f"material '{name[:40]}' is not in the library; {nearest(name, tuple(names))}"
+            f"material '{name[:40]}' is not in the library; {nearest(name, begun or tuple(names))}"
         )
     return found
 

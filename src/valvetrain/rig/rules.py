@@ -107,10 +107,10 @@ def uneven(facts: RigFacts) -> Hits:
 def usable(facts: RigFacts) -> Hits:
     """The cycles are alike and nothing speaks against them."""
     channel, result = facts.result.channels[0], facts.result
-    name, peak = channel.cycles.quantity, mean_peak(channel)
+    name, peak, scatter = channel.cycles.quantity, mean_peak(channel), peaks_of(channel)[0].scatter
     fields: Fields = {
         "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, peak.mean),
-        "scatter": Amount(name, peaks_of(channel)[0].scatter), "step": facts.step(COMPARE)
+        "scatter": Amount(name, scatter) if scatter > 0 else "", "step": facts.step(COMPARE)
     }  # fmt: skip
     yield Hit(fields={**_count(result), **fields})
 
