@@ -45,28 +45,20 @@ def progress_bar(title: str) -> Iterator[Report]:
     if manner().quiet:
         yield tell_progress
         return
-    with _terminal_bar(title) if sys.stderr.isatty() else _one_line(title) as draw:
+    begun, said = time.monotonic(), False
+    with _terminal_bar(title) if sys.stderr.isatty() else nullcontext() as draw:
 
         def report(done: float, text: str) -> None:
+            nonlocal said
+            elapsed = time.monotonic() - begun
             tell_progress(done, text)
-            draw(done, text)
+            if draw is not None:
+                draw(done, text)
+            elif not said and elapsed * (1 - done) > 60 * done > 0:
+                said = True
+                tell(f"{title}: {time_left(elapsed, done)}")
 
         yield report
-
-
-@contextmanager
-def _one_line(title: str) -> Iterator[Report]:
-    """The time left, once, as soon as it is known to be more than a minute."""
-    begun, said = time.monotonic(), False
-
-    def report(done: float, text: str) -> None:
-        nonlocal said
-        elapsed = time.monotonic() - begun
-        if not said and elapsed * (1 - done) > 60 * done > 0:
-            said = True
-            tell(f"{title}: {time_left(elapsed, done)}")
-
-    yield report
 
 
 @contextmanager

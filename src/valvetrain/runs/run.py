@@ -159,7 +159,25 @@ def run_problem(
     tell: Progress = (
         (lambda time, text: progress(time / whole_time, text)) if progress else (lambda *_: None)
     )
-    plan = _plan_of(problem, request, watch.created_at)
+    requested = request.requested
+    samples: int | None = round(2 * np.pi / problem.output_step)
+    whole = request.whole or (requested is not None and bool(requested.channels))
+    keep: Keep = "all" if whole else "contacts"
+    if problem.kind == TRAIN:
+        samples = 720 if isinstance(request, Sweep) else None
+        keep = "all" if whole else "ends"
+    elif requested is not None and requested.ends_alone:
+        keep = "ends"
+    plan = Plan(
+        keep,
+        samples,
+        whole,
+        problem.cycles,
+        problem.cycles_to_settle,
+        watch.created_at,
+        request.limit.seconds,
+        request.implausible,
+    )
     work = _Work(problem, speeds, request, plan, tell, failures, watch.finished)
     computed = _run_trains(work) if problem.kind == TRAIN else _run_springs(work)
     solutions = failures.part(
@@ -190,29 +208,6 @@ def run_problem(
     if computed.stopped:
         raise StudyStopped(study)
     return _with_error_bars(study, work, computed.at_rest, before_bars)
-
-
-def _plan_of(problem: Problem, request: SpeedRequest, created_at: str) -> Plan:
-    """How the runs are made: what is kept of each, at how many samples a turn, for how long."""
-    requested = request.requested
-    whole = request.whole or (requested is not None and bool(requested.channels))
-    if problem.kind == TRAIN:
-        samples = 720 if isinstance(request, Sweep) else None
-    else:
-        samples = round(2 * np.pi / problem.output_step)
-    keep: Keep = "all" if whole else "ends" if problem.kind == TRAIN else "contacts"
-    if requested is not None and requested.ends_alone and problem.kind != TRAIN:
-        keep = "ends"
-    return Plan(
-        keep,
-        samples,
-        whole,
-        problem.cycles,
-        problem.cycles_to_settle,
-        created_at,
-        request.limit.seconds,
-        request.implausible,
-    )
 
 
 def _run_springs(work: _Work) -> _Computed:

@@ -253,13 +253,6 @@ def _press(parameters, integers, state, c, force):
         state[lower + 1] += share * force
 
 
-def _compiled(kernel: Callable[..., Any], own: bool) -> Callable[..., Any]:
-    # compiled code of equal name from two cached runs would be taken for the same
-    kernel.__qualname__ = f"{'own' if own else 'linear'}_{kernel.__name__}"
-    found: Callable[..., Any] = njit(**(KERNEL if own else BRANCH))(kernel)
-    return found
-
-
 def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Kernels of contact forces and of their damping: by the linear law, inlined, or by the law at
     an address, so that the branches of one do not slow the other down.
@@ -311,7 +304,11 @@ def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]
                 state[depth_at + p + c] = time_step * damping
         return lost
 
-    return _compiled(contact_forces, own), _compiled(contact_damping, own)
+    for kernel in (contact_forces, contact_damping):
+        # compiled code of equal name from two cached runs would be taken for the same
+        kernel.__qualname__ = f"{'own' if own else 'linear'}_{kernel.__name__}"
+    compiled = njit(**(KERNEL if own else BRANCH))
+    return compiled(contact_forces), compiled(contact_damping)
 
 
 _contact_forces, _contact_damping = _contact_kernels(own=False)

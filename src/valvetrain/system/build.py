@@ -120,9 +120,8 @@ def _is_text_of(text: str, case: Case) -> bool:
 
 def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
     law = lift_law_of(case)
-    specs = tuple(
-        spring_model(word, "models") for word in dict.fromkeys(model_names(spring_models))
-    )
+    named = model_names(spring_models) if spring_models else ()
+    specs = tuple(spring_model(word, "models") for word in dict.fromkeys(named))
     if case.train is not None:
         members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
     elif spring_sets:
