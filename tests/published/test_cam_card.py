@@ -145,6 +145,32 @@ def test_cam_degrees_and_a_valve_lift_tell_the_same_lobe():
     assert cam.lift(angle, 2) == pytest.approx(crank.lift(angle, 2), abs=1e-12)
 
 
+def test_a_lift_that_is_of_the_valve_is_not_divided_by_the_ratio_of_the_rocker():
+    """Closed form: 11.6 mm at the valve is 11.6 mm, by 1.31 of 8.855 mm at the lobe too, and 8.855 mm at a tappet."""
+    text = """
+[lift_law]
+kind = "cam-card"
+lift_of = "{of}"
+angle_of = "crank"
+duration = "252 deg"
+rocker_ratio = 1.31
+{lift}
+[[spring]]
+rate = "40 N/mm"
+preload = "250 N"
+"""
+    lifts = [
+        ("valve", "valve_lift = '11.6 mm'"),
+        ("valve", "lobe_lift = '8.855 mm'"),
+        ("tappet", "valve_lift = '11.6 mm'"),
+    ]
+    for (of, lift), most in zip(lifts, (11.6e-3, 11.6e-3, 8.855e-3), strict=True):
+        law = build_lift_law(parse_case(text.format(of=of, lift=lift)).lift_law)
+        assert float(np.max(law.lift(np.linspace(0, 2 * np.pi, 7201)))) == pytest.approx(
+            most, rel=2e-4
+        )
+
+
 def test_a_solid_card_with_its_lash_gets_a_ramp_above_it():
     """282 degrees at 0.020 in, which stands at the end of the ramp over 0.022 in of lash at a ratio
     of 1.5.

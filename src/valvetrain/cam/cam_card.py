@@ -136,7 +136,7 @@ class CamCardModel(LiftModel):
         valve, away = (self.valve, away) if events is None else (events.valve, events.centre / 2)
         away = -away if away is not None and valve == "exhaust" else away
         own: dict[str, Any] = {
-            "maximum_lift": self._lobe_lift(), "nose": math.pi if away is None else self.top_dead_centre + away,
+            "maximum_lift": self._law_lift(), "nose": math.pi if away is None else self.top_dead_centre + away,
             "duration": duration, "duration_lift": self.duration_lift,
             "ramp_lift": self._ramp_lift(), "ramp_velocity": self.ramp_velocity, "ramp_blend": self.ramp_blend,
         }  # fmt: skip
@@ -166,25 +166,28 @@ class CamCardModel(LiftModel):
         valve = self.valve if self.valve in named or not named else named.pop()
         return guarded(CamEvents.of, texts, valve) if texts else None
 
-    def _lobe_lift(self) -> float:
-        whole = self.lift_of == "valve" and self.lobe_lift is None and self.rocker_ratio is None
-        if whole and self.valve_lift is not None:
-            return self.valve_lift
-        if self.lobe_lift is None and (self.valve_lift is None or self.rocker_ratio is None):
+    def _law_lift(self) -> float:
+        """Lift (m) where the law gives it: of the lobe, or of the valve."""
+        lobe, valve, ratio = self.lobe_lift, self.valve_lift, self.rocker_ratio
+        if (
+            lobe is not None
+            and valve is not None
+            and ratio is not None
+            and abs(lobe * ratio / valve - 1) > 0.01
+        ):
+            raise problem(
+                f"lobe_lift times rocker_ratio is {lobe * ratio * 1e3:.4g} mm, but valve_lift {valve * 1e3:.4g} mm; correct one",
+                ("valve_lift",),
+            )
+        if self.lift_of == "valve":
+            lift = valve if valve is not None else lobe and lobe * (ratio or 1.0)
+        else:
+            lift = lobe if lobe is not None else valve and ratio and valve / ratio
+        if lift is None:
             raise problem(
                 "a cam card needs lobe_lift, or valve_lift and rocker_ratio; add it (of a finger or rocker: valve_lift with lift_of = 'valve')"
             )
-        if self.lobe_lift is None:
-            assert self.valve_lift is not None and self.rocker_ratio is not None
-            return self.valve_lift / self.rocker_ratio
-        if self.valve_lift is not None and self.rocker_ratio is not None:
-            valve = self.lobe_lift * self.rocker_ratio
-            if abs(valve / self.valve_lift - 1) > 0.01:
-                raise problem(
-                    f"lobe_lift times rocker_ratio is {valve * 1e3:.4g} mm, but valve_lift {self.valve_lift * 1e3:.4g} mm; correct one",
-                    ("valve_lift",),
-                )
-        return self.lobe_lift
+        return lift
 
     def _ramp_lift(self) -> float:
         if self.ramp_lift is not None:

@@ -137,7 +137,7 @@ def _moved(facts: RefineFacts) -> Fields:
 CONSTANTS, COMPARE = "[other contact constants make {moved}]", "valvetrain compare {case}[{speeds}]"
 RULES = (
     Rule("X101", "decides", "no error bar was found", without, mark="bad"),
-    Rule("X102", "decides", "{count} hold within 10 %, but {names} not within 50 %", unresolved, (),
+    Rule("X102", "decides", "{count} hold within 10 %, but not {names}: bars above 50 %", unresolved, (),
          CONSTANTS, COMPARE, mark="warn", guide="uncertainty.md"),
     Rule("X104", "decides", "{count} hold within 10 %, but not {names}", rough, (), CONSTANTS, COMPARE, mark="warn",
          guide="uncertainty.md", unless=("X102",)),

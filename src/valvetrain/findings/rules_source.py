@@ -71,7 +71,7 @@ def angles(facts: Facts) -> Hits:
 def assumed(facts: Facts) -> Hits:
     """The file of a case of one's own calls values assumed: loads, masses and damping, which decide, are named first."""
     record = facts.study.record
-    names = sorted(record.assumed, key=lambda name: not name.endswith(FIRST))
+    names = sorted(dict.fromkeys(record.assumed), key=lambda name: not name.endswith(FIRST))
     if names and not record.study:
         more = str(len(names) - MOST) if len(names) > MOST else ""
         yield Hit(fields={"values": ", ".join(names[:MOST]), "more": more})

@@ -413,7 +413,7 @@ RULES = (
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
          ("minimum_spring_force",), step="valvetrain sweep {case} --model wave-rod", remark="ends would lift"),
-    *(Rule(code, "notes", "{does} from {ranges} rpm", lost_over_speed(kind), reason=WHY, remark=f"from {{ranges}} rpm: {WHY}",
+    *(Rule(code, "notes", "{does} from {ranges} rpm", lost_over_speed(kind), reason=WHY, remark="from {ranges} rpm" + WHY.replace("[{", "[: {", 1),
            guide=DROPS, unless=("D10",)) for code, kind in LOST_AT.items()),
     Rule("W115", "notes", "other models: {said}", by_others),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",

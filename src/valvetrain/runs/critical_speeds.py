@@ -299,22 +299,26 @@ def first_loss(
     engine_speeds: Sequence[float],
     options: CriticalOptions,
     stopped: Callable[[], bool] = lambda: False,
-) -> float | None:
-    """The engine speed (rad/s) from which a prepared train loses control by ``kind``, by few runs: at rising
-    ``engine_speeds`` until it does, then to the resolution. A range between two of them is not looked for.
+) -> tuple[float, float] | None:
+    """The engine speed (rad/s) from which a prepared train loses control by ``kind``, by few runs at rising
+    ``engine_speeds`` until it does, then to the resolution; and the highest of them at which it is kept (0: none). A range
+    between two of them is not looked for.
 
-    0 where control is lost at the first speed, infinite where it is kept up to the last; None once ``stopped``, called
-    before each of these runs, is true.
+    The first is infinite where control is kept up to the last speed, and NaN up to one at which the model does not know:
+    its springs pull where real ends lift. None once ``stopped``, called before each of these runs, is true.
     """
     plan = Plan("ends", None, False, problem.cycles, problem.cycles_to_settle)
     scan, low = scan_of(problem, Variant("", "", ready), plan, options, {}), 0.0
     for engine_speed in engine_speeds:
         if stopped():
             return None
-        if scan.at(engine_speed).lost(kind):
-            return scan.root(kind, low, engine_speed, options.resolution) if low else 0.0
+        sample = scan.at(engine_speed)
+        if kind in sample.unknown:
+            return math.nan, low
+        if sample.lost(kind):
+            return scan.root(kind, low, engine_speed, options.resolution) if low else 0.0, low
         low = engine_speed
-    return math.inf
+    return math.inf, low
 
 
 def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) -> CriticalSpeed:

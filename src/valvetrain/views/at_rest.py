@@ -69,10 +69,13 @@ def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     return lines
 
 
-def bind_line(cells: Sequence[str], note: str, findings: Findings, words: Words) -> Line:
-    """The row of coil bind: as its finding says, else with a tick and the limit."""
+def bind_line(
+    cells: Sequence[str], note: str, findings: Findings, words: Words, left: Amount | None = None
+) -> Line:
+    """The row of coil bind: as its finding says, else with the limit, and a tick unless what is ``left`` is below it."""
     about = [one for one in findings.about(BIND) if one.mark != "ok"]
-    mark: Mark = about[0].mark if about else "ok"
+    close = left is not None and left.value < NEAR
+    mark: Mark = about[0].mark if about else "warn" if close else "ok"
     limit = "" if about else f"{note}, limit {words.amount(Amount('coil_bind_clearance', NEAR))}"
     return Line(
         "coil bind",

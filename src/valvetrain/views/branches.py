@@ -51,11 +51,14 @@ class BranchesAnswer(ShownByRules):
     def lines(self) -> list[Line]:
         """Each kind of motion with its speeds, and how large the quantity is there."""
         rows, quantity = list[Line](), self.branches.quantity
-        for motion in sorted({one.motion for one in self.branches.points}):
+        alike = self.facts.alike  # then what repels does not matter either
+        for motion in sorted(
+            {one.motion for one in self.branches.points if not (alike and one.repels)}
+        ):
             values = [v for one in self.branches.points if one.motion == motion for v in one.values if math.isfinite(v)]  # fmt: skip
             ends = (Amount(quantity, end(values)) for end in (min, max)) if values else ()
             called = CALLED.get(motion) or CALLED.get(motion.split()[0], motion)
-            if self.facts.alike and motion in ("chaotic", "irregular"):
+            if alike and motion in ("chaotic", "irregular"):
                 called = "alike, not exactly"
             cells = (
                 f"{spans_text(self.branches.ranges(motion))} rpm",

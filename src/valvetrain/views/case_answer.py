@@ -121,7 +121,7 @@ class CaseAnswer(ShownByRules):
         if isinstance(cells, str):
             cells = (*[""] * (len(self.headings) - 1), cells)
         if label == "coil bind":
-            return bind_line(cells, note, self.findings, self.words)
+            return bind_line(cells, note, self.findings, self.words, self.facts.left)
         mark: Mark = "warn" if self.facts.short and label.startswith("needed") else ""
         return Line(label, cells, mark, note)
 

@@ -143,12 +143,15 @@ class LiveCase:
         found = first_loss("float", problem, ready, speeds, options, self.stopped)
         if found is None:
             return LiveResult(skipped=True)
-        if not found or not np.isfinite(found):
-            low, high = speeds[0] * 30 / np.pi, speeds[-1] * 30 / np.pi
-            return LiveResult(
-                sentence=f"no float up to {high:.0f} rpm" if found else f"below {low:.0f} rpm"
-            )
-        return LiveResult(quantities={"float speed": (found * 30 / np.pi, "rpm")})
+        lost, kept = (value * 30 / np.pi for value in found)
+        if np.isfinite(lost) and lost > 0:
+            return LiveResult(quantities={"float speed": (lost, "rpm")})
+        first = f"{speeds[0] * 30 / np.pi:.0f} rpm"
+        if lost == 0:
+            return LiveResult(sentence=f"below {first}")
+        known = f"no float up to {kept:.0f} rpm" if kept else f"unknown from {first}"
+        ends = ": the ends of the spring would lift above, of which its model knows nothing"
+        return LiveResult(sentence=known + ends * bool(np.isnan(lost)))
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun, float]:
         """The built case, its run, and the engine speed (rad/s) at which rigid parts lose contact,
