@@ -78,7 +78,7 @@ def test_branches_of_motion_are_marched_and_drawn(bench, page, finished):
     page.get_by_role("button", name="Run", exact=True).click()
     shown(page)
     page.wait_for_function(
-        "Array.from(document.querySelectorAll('.plot')).some((plot) => plot._fullData?.some((one) => one.name === 'falling'))"
+        "Array.from(document.querySelectorAll('.plot')).some((plot) => plot._fullData?.some((one) => one.name === 'stable, falling'))"
     )
 
 

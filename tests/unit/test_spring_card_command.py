@@ -44,7 +44,7 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
         "found": pytest.approx(30.76e-3, abs=0.02e-3),
     }
     verdict = data["findings"][0]
-    assert (verdict["code"], verdict["quantity"]) == ("Z102", "solid_height")
+    assert (verdict["code"], verdict["quantity"]) == ("Z108", "solid_height")
     assert {path.rsplit("/")[-1] for path in data["files"]} >= {
         "spring.toml",
         "report.html",
