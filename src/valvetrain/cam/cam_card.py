@@ -180,7 +180,7 @@ class CamCardModel(LiftModel):
                 ("valve_lift",),
             )
         if self.lift_of == "valve":
-            lift = valve if valve is not None else lobe and lobe * (ratio or 1.0)
+            lift = valve if valve is not None else lobe
         else:
             lift = lobe if lobe is not None else valve and ratio and valve / ratio
         if lift is None:
