@@ -192,3 +192,17 @@ def test_what_a_stream_cannot_show_is_written_with_backslashes(name, encoding, m
     print(words, file=getattr(sys, name), flush=True)
     greek = "\u03b1 \u2126" if encoding == "utf-8" else "\\u03b1 \\u2126"
     assert raw.getvalue().decode(encoding).strip() == f"Feder {greek} \\udcff"
+
+
+def test_without_a_terminal_the_time_left_is_told_once_and_without_what_came_before(
+    monkeypatch, capsys
+):
+    """Closed form: a twentieth of the work in 10 s leaves 190 s; what came before the first report does not count."""
+    from valvetrain.cli import progress
+
+    clock = iter((100.0, 110.0, 120.0, 130.0))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
+    with progress.progress_bar("engine") as report:
+        for done in (0.0, 0.05, 0.1, 0.15):
+            report(done, "")
+    assert capsys.readouterr().err.splitlines() == ["engine: about 3 min left"]

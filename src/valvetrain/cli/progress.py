@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
 
 Report = Callable[[float, str], None]
+#: Seconds of work from which the time left is told without a terminal.
+SURE = 5.0
 #: What was announced to come before the first share of the work.
 _AHEAD: list[str] = []
 
@@ -45,18 +47,24 @@ def progress_bar(title: str) -> Iterator[Report]:
     if manner().quiet:
         yield tell_progress
         return
-    begun, said = time.monotonic(), False
+    first: tuple[float, float] | None = (
+        None  # when and at which share; kernels may be compiled before
+    )
+    said = False
     with _terminal_bar(title) if sys.stderr.isatty() else nullcontext() as draw:
 
         def report(done: float, text: str) -> None:
-            nonlocal said
-            elapsed = time.monotonic() - begun
+            nonlocal first, said
             tell_progress(done, text)
             if draw is not None:
                 draw(done, text)
-            elif not said and elapsed * (1 - done) > 60 * done > 0:
+                return
+            now = time.monotonic()
+            first = first or (now, done)
+            elapsed, share = now - first[0], (done - first[1]) / max(1 - first[1], 1e-9)
+            if not said and elapsed > SURE and elapsed * (1 - share) > 60 * share > 0:
                 said = True
-                tell(f"{title}: {time_left(elapsed, done)}")
+                tell(f"{title}: {time_left(elapsed, share)}")
 
         yield report
 

@@ -4,7 +4,7 @@ constants.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -73,14 +73,6 @@ class UncertaintyStudy(Saveable):
         return verdict_first(
             self, [f"UncertaintyStudy of {self.record.name}: {len(self.rows)} numbers, {ended}"]
         )
-
-
-def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[Uncertainty]]:
-    """Rows by engine speed and variant, in order of first appearance."""
-    groups: dict[tuple[float | None, str], list[Uncertainty]] = {}
-    for row in rows:
-        groups.setdefault((row.engine_speed, row.label), []).append(row)
-    return groups
 
 
 #: Safety factors of a series with a trusted order and of one without.

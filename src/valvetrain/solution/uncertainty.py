@@ -79,15 +79,6 @@ class Uncertainty:
         """Whether contact constants decide a quantity of this kind and no range of it was computed."""
         return self.range is None and self.value != 0 and bool(OF_CONTACT.search(self.quantity))
 
-    @property
-    def trusted_order(self) -> float | None:
-        """The observed order where it is trusted, else None."""
-        return (
-            None
-            if self.observed_order is None or self.observed_order < MIN_ORDER
-            else self.observed_order
-        )
-
 
 class NoErrorBar(NamedTuple):
     """A completed run without error bars: label, engine speed (rad/s) and the code of its reason, a key of
