@@ -66,7 +66,9 @@ complete() {
 install() {
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check install -qq --no-input --no-compile)
     touch "$unfinished"
-    local what=(--require-hashes -r "$pins")
+    local problems=
+    # The pins name every package; without '--no-deps' an old pip looks at newer releases of what a pinned one asks for with an extra, and stops there.
+    local what=(--require-hashes --no-deps -r "$pins")
     if [ -n "${LOWEST:-}" ]; then
         "$venv/bin/python" scripts/lowest_versions.py > "$venv/lowest.txt"
         what=(-r "$venv/lowest.txt")
@@ -74,7 +76,8 @@ install() {
     else
         say "Installing the versions pinned in $pins (a minute or two the first time)."
     fi
-    if ! "${pip[@]}" "${what[@]}" || ! "${pip[@]}" --no-deps --no-build-isolation -e .; then
+    if ! "${pip[@]}" "${what[@]}" || ! "${pip[@]}" --no-deps --no-build-isolation -e . || ! problems=$("$venv/bin/python" -m pip --disable-pip-version-check check); then
+        [ -z "$problems" ] || say "$problems"
         say "The environment could not be installed (see above); mend the cause, often the network, and repeat 'make $kind'."
         exit 1
     fi
