@@ -21,10 +21,11 @@ from pathlib import Path
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate
-from valvetrain.runs.error_bars import UncertaintyStudy, grouped
+from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.runs.refine import refined
 from valvetrain.runs.stored_error_bars import OF_VARIANT, belongs, heading_of, numbers_of, rows_of
 from valvetrain.solution.atomic import write_text
+from valvetrain.solution.uncertainty import Uncertainty
 
 LIBRARY = Path(str(resources.files("valvetrain") / "parameters" / "library"))
 DIGEST = re.compile(r'^digest = "\w*"$', re.MULTILINE)
@@ -41,7 +42,10 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
         f"x {most:g}.",
         "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
     ]  # fmt: skip
-    for (speed, label), rows in grouped(study.rows).items():
+    groups: dict[tuple[float | None, str], list[Uncertainty]] = {}
+    for row in study.rows:
+        groups.setdefault((row.engine_speed, row.label), []).append(row)
+    for (speed, label), rows in groups.items():
         variant = OF_VARIANT + label if label else ""
         lines += ["", f'["{heading_of(speed)}{variant}"]']
         for row in rows:

@@ -15,7 +15,6 @@ from valvetrain.parameters.summary import rpm
 from valvetrain.quantities.limits import TABLES
 from valvetrain.quantities.table import AT_REST, CAM, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN, find
-from valvetrain.runs.error_bars import grouped
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.definition import QuantityRow, label_of, shown, tables
 from valvetrain.solution.uncertainty import Uncertainty
@@ -130,7 +129,10 @@ def error_bars_page() -> str:
     ]
     for name in _REFINED:
         lines.append(f"## {name}\n")
-        for (speed, label), rows in grouped(load_uncertainty(load_case(name).record())).items():
+        groups: dict[tuple[float | None, str], list[Uncertainty]] = {}
+        for row in load_uncertainty(load_case(name).record()):
+            groups.setdefault((row.engine_speed, row.label), []).append(row)
+        for (speed, label), rows in groups.items():
             at = "at rest" if speed is None else f"{rpm(speed):.0f} rpm"
             lines += [
                 f"### {', '.join(filter(None, (label, at)))}\n",
