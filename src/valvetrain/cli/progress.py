@@ -47,9 +47,8 @@ def progress_bar(title: str) -> Iterator[Report]:
     if manner().quiet:
         yield tell_progress
         return
-    first: tuple[float, float] | None = (
-        None  # when and at which share; kernels may be compiled before
-    )
+    # When the first report came, and at which share: kernels may be compiled before it.
+    first: tuple[float, float] | None = None
     said = False
     with _terminal_bar(title) if sys.stderr.isatty() else nullcontext() as draw:
 

@@ -67,19 +67,19 @@ def doubted(facts: CardFacts) -> Hits:
             )
 
 
-def missed(facts: CardFacts) -> Hits:
-    """A number of the card, but its solid height, is more than 1 % off what the others make."""
-    for one in (held for fit in facts.by_card for held in fit.held):
-        if one.requested and one.quantity != "solid_height" and abs(apart(one)) > MISSED:
-            name, limit = {"name": label_of(one.quantity)}, one.requested
-            yield Hit(Amount(one.quantity, one.found), None, limit, name, abs(apart(one)))
+def missed(height: bool) -> Condition:
+    """The condition that the solid height of the card, or another of its numbers, is more than 1 % off."""
 
+    def hits(facts: CardFacts) -> Hits:
+        """The wire, by the other numbers, has another."""
+        for one in (held for fit in facts.by_card for held in fit.held):
+            if abs(apart(one)) > MISSED and height is (one.quantity == "solid_height"):
+                name = {"name": label_of(one.quantity)}
+                yield Hit(
+                    Amount(one.quantity, one.found), None, one.requested, name, abs(apart(one))
+                )
 
-def other_height(facts: CardFacts) -> Hits:
-    """The solid height of the card is more than 1 % off that of the wire."""
-    for one in (held for fit in facts.by_card for held in fit.held):
-        if one.requested and one.quantity == "solid_height" and abs(apart(one)) > MISSED:
-            yield Hit(Amount(one.quantity, one.found), None, one.requested)
+    return hits
 
 
 def off_table(facts: CardFacts) -> Hits:
@@ -172,9 +172,9 @@ GUIDE = "springs-from-cards.md"
 RULES = (
     Rule("Z101", "decides", "hardly the card of one spring: its loads make {value:2} active turns of {turns:2}", doubted, ("active_coil_count",),
          "", "enter a dual spring as two, each with its own wire; else check wire, diameters and loads", guide=GUIDE),
-    Rule("Z102", "decides", "card and wire disagree: {name} {limit:4} on the card, {value:4} by its other numbers", missed, (), "",
+    Rule("Z102", "decides", "card and wire disagree: {name} {limit:4} on the card, {value:4} by its other numbers", missed(height=False), (), "",
          "measure the spring, or give this command the table of a spring tester", guide=GUIDE, mark="warn"),
-    Rule("Z108", "decides", "card and wire agree, but not in the solid height: {limit:4} on the card, {value:4} of the wire", other_height,
+    Rule("Z108", "decides", "card and wire agree, but not in the solid height: {limit:4} on the card, {value:4} of the wire", missed(height=True),
          ("solid_height",), "the height of the card counts", CHECK, guide=GUIDE, mark="warn", unless=("Z101", "Z102")),
     Rule("Z103", "decides", "the wire is up to {off:2} off the table", off_table, (), "{share} of its largest force",
          "check wire, diameters, material and units, or give --total-coils", guide=GUIDE, mark="warn"),
