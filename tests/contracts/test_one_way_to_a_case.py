@@ -19,7 +19,8 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.case_paths import MOVING, nominal, unit_in_case, vary
-from valvetrain.explore.space import Values, Varied
+from valvetrain.explore.distributions import Values
+from valvetrain.explore.space import Varied
 from valvetrain.parameters.loading import library_names, parse_case
 from valvetrain.parameters.overrides import split_notes
 from valvetrain.parameters.templates import KINDS, TITLES, template_text

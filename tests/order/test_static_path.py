@@ -14,7 +14,8 @@ import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.cosserat.rates import axial_rate
 from valvetrain.cosserat.static import NewtonOptions, RodStatics, compress
-from valvetrain.runs.statics import static_study
+from valvetrain.runs.requests import Static
+from valvetrain.runs.static_study import static_study
 from valvetrain.springs.spec import spring_model
 
 NAMED = ("preload", "installed_rate", "stiffness_change_compression", "coil_1_2_installed_gap")
@@ -45,7 +46,9 @@ def test_named_numbers_do_not_move_with_the_output_steps(beehive, word):
     """Bit by bit the same from 3 to 50 steps; a preload read between even steps moved by 2.5 %, a
     rate by 4 %.
     """
-    few, *more = (named(static_study(beehive, (word,), steps=steps)) for steps in (3, 50))
+    few, *more = (
+        named(static_study(Static(case=beehive, models=(word,), steps=steps))) for steps in (3, 50)
+    )
     assert {"preload", "installed_rate"} <= set(few)
     assert all(found == few for found in more)
 

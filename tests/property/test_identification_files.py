@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from architecture.layout import ROOT
 from study_parts import identification_plan
 from valvetrain.errors import MAX_LOCATION_LENGTH, MAX_SENTENCE_LENGTH, InputError
+from valvetrain.explore.distributions import Prior
 from valvetrain.explore.requests import Identify
-from valvetrain.explore.space import Prior
 from valvetrain.parameters.toml_text import toml_text
 
 PLAIN: dict[str, Any] = {

@@ -14,10 +14,10 @@ from dataclasses import replace
 import pytest
 
 from architecture.layout import ROOT
+from valvetrain.explore.distributions import Prior
 from valvetrain.explore.execution import Execution
 from valvetrain.explore.identify import run_identification
 from valvetrain.explore.requests import Identify
-from valvetrain.explore.space import Prior
 
 DENSITY, SHEAR_MODULUS, COIL, TOTAL = 7850.0, 79.5e9, 25e-3, 7.0
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from valvetrain.explore.distributions import Uniform
 from valvetrain.explore.samplers import sampler, sensitivity_of
-from valvetrain.explore.space import Uniform, Varied
+from valvetrain.explore.space import Varied
 
 NAMES = ("first", "second", "third")
 ANGLES = tuple(Varied(name, distribution=Uniform(-np.pi, np.pi)) for name in NAMES)

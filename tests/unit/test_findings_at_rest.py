@@ -17,7 +17,8 @@ from valvetrain.findings.rules_rest import lift_of
 from valvetrain.findings.springs_at_rest import pair_of, states_of
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.runs.statics import static_study
+from valvetrain.runs.requests import Modes, Static
+from valvetrain.runs.static_study import static_study
 from valvetrain.runs.train_runs import train_modes
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
@@ -27,12 +28,12 @@ from valvetrain.views.results import figures_of
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
-MODES = {"command": "modes", "modes": 6}
+MODES = {"count": 6}
 TO = {"largest_compression": 18e-3}
 
 
 def lift(height: str) -> tuple:
-    return "job-c", {"lift_law.maximum_lift": height}, {"models": ["modal-uniform"]}
+    return "job-c", {"lift_law.maximum_lift": height}, {"models": ("modal-uniform",)}
 
 
 #: Name -> case, changes, options of a static study.
@@ -42,13 +43,13 @@ STUDIES = {
     "far": lift("10 mm"),
     "near": lift("13.5 mm"),
     "modes-wire": ("uniform-spring", {}, MODES),
-    "alone": ("uniform-spring", {}, {"models": ["modal-uniform"]}),
-    "stated": ("uniform-spring", {"spring.solid_height": "21 mm"}, {"models": ["modal-uniform"]}),
+    "alone": ("uniform-spring", {}, {"models": ("modal-uniform",)}),
+    "stated": ("uniform-spring", {"spring.solid_height": "21 mm"}, {"models": ("modal-uniform",)}),
     "slender": (SLENDER, {}, TO),
     "guided": (GUIDED, {}, TO),
     "modes": ("job-c", {}, MODES),
     "modes-pair": (LS, {}, MODES),
-    "modes-none": ("uniform-spring", {}, {**MODES, "models": ["massless"]}),
+    "modes-none": ("uniform-spring", {}, {**MODES, "models": ("massless",)}),
     "modes-free": ("uniform-spring", {}, {**MODES, "attached_mass": 0.05}),
     "modes-bent": (SLENDER, {}, {**MODES, "compression": 16.5e-3}),
     "modes-train": (TEMPLATE, {"train.spring_set": "card"}, MODES),
@@ -60,7 +61,11 @@ def study(name: str) -> Study:
     case, changes, options = STUDIES[name]
     text = case.startswith("\n")
     chosen = parse_case(case, name) if text else load_case(case, changes)
-    found = static_study(chosen, steps=12, **{"models": (), **options})
+    of_modes = name.startswith("modes")
+    request = (
+        Modes(case=chosen, **options) if of_modes else Static(case=chosen, steps=12, **options)
+    )
+    found = static_study(request)
     if name != "modes-train":
         return found
     lowest = (one.lowest(10) for one in train_modes(chosen))

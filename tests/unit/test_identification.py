@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.distributions import Prior
 from valvetrain.explore.draws import linear_draws
 from valvetrain.explore.identification_file import Method, Search
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.least_squares import least_squares
 from valvetrain.explore.posterior import Datum, Posterior
 from valvetrain.explore.solve import solve
-from valvetrain.explore.space import Prior, Varied
+from valvetrain.explore.space import Varied
 from valvetrain.explore.store import Store
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05

@@ -14,7 +14,8 @@ import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.statics import solid_quantities
-from valvetrain.runs.statics import static_study
+from valvetrain.runs.requests import Static
+from valvetrain.runs.static_study import static_study
 
 TEXT = """
 [spring]
@@ -36,12 +37,16 @@ def case():
     return parse_case(TEXT)
 
 
+def at_rest(case, steps=4, **options):
+    return static_study(Static(case=case, steps=steps, **options)).rest
+
+
 @pytest.mark.parametrize("word", ["finite-element", "multi-mass", "massless", "modal-uniform"])
 def test_heights_and_loads_are_solved_by_every_model(case, word):
     """Force and EN 13906-1 shear at 40 mm within 1.5 % of the closed form; the height of a load
     gives that load back.
     """
-    (one,) = static_study(case, (word,), steps=4, heights=(40e-3, 52e-3), loads=(300.0, 0.0)).rest
+    (one,) = at_rest(case, models=(word,), heights=(40e-3, 52e-3), loads=(300.0, 0.0))
     at_height, free, loaded, unloaded = one.points
     assert at_height.force == pytest.approx(12e-3 * RATE, rel=0.015)
     assert at_height.nominal_shear_stress == pytest.approx(12e-3 * RATE * SHEAR, rel=0.015)
@@ -52,7 +57,7 @@ def test_heights_and_loads_are_solved_by_every_model(case, word):
     assert loaded.force == pytest.approx(300.0, rel=1e-9) and loaded.height == pytest.approx(
         52e-3 - 300 / RATE, abs=0.2e-3
     )
-    (again,) = static_study(case, (word,), steps=17, heights=(loaded.height,)).rest[0].points
+    (again,) = at_rest(case, models=(word,), steps=17, heights=(loaded.height,))[0].points
     assert again.force == pytest.approx(300.0, rel=1e-9)
 
 
@@ -60,7 +65,7 @@ def test_stress_along_the_wire_is_that_of_the_section_loads(case):
     """Of the rod: somewhat above the nominal shear, as the ends take the load off the axis; von
     Mises near sqrt(3) of it.
     """
-    (one,) = static_study(case, steps=4, heights=(40e-3,)).rest
+    (one,) = at_rest(case, heights=(40e-3,))
     (point,) = one.points
     assert 1.0 < point.shear_stress / point.nominal_shear_stress < 1.15
     assert point.equivalent_stress == pytest.approx(np.sqrt(3) * point.shear_stress, rel=0.03)
@@ -134,7 +139,7 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(tmp_path, command, word
 
 def test_a_retainer_that_may_turn_carries_no_torque(case):
     free = parse_case(TEXT + 'retainer_rotation = "free"\n')
-    still = [static_study(one, steps=4).rest[0].installed for one in (case, free)]
+    still = [at_rest(one)[0].installed for one in (case, free)]
     assert still[1].torque == 0.0 and abs(still[0].torque) > 0.01
     assert still[0].rotation is None and abs(still[1].rotation) > 1e-3
     assert still[1].force < still[0].force

@@ -7,14 +7,15 @@ from __future__ import annotations
 import pytest
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.statics import static_study
+from valvetrain.runs.requests import Static
+from valvetrain.runs.static_study import static_study
 
 
 def test_the_springs_of_the_set_in_use_come_first():
     """Contract: not a card of another set, of 17.4 N/mm throughout; coils of the outer spring in use close in the
     lift: 17.1 N/mm installed, 22.9 at full lift.
     """
-    study = static_study(load_case("vaz-ohc"))
+    study = static_study(Static(case=load_case("vaz-ohc")))
     assert [(one.spring, one.model) for one in study.rest[:2]] == [
         ("outer", "finite-element"),
         ("inner", "finite-element"),

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from valvetrain.explore.distributions import Prior
 from valvetrain.explore.draws import draws_of_peak
 from valvetrain.explore.least_squares import Peak, covariance_of, least_squares
 from valvetrain.explore.posterior import Datum, Posterior
-from valvetrain.explore.space import Prior, Varied
+from valvetrain.explore.space import Varied
 
 BEGIN = np.array([0.25, 3.0])
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.explore.distributions import Uniform, Values
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.outputs import Outputs
 from valvetrain.explore.samplers import listed, sampler
-from valvetrain.explore.space import Space, Uniform, Values, Varied
+from valvetrain.explore.space import Space, Varied
 from valvetrain.explore.study import run_experiment
 from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.explore.study_facts import StudyFacts

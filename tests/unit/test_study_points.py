@@ -14,10 +14,11 @@ from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate, study
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
+from valvetrain.explore.distributions import LogNormal, Normal, Uniform, Values
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import Outputs, Run
-from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Space, Uniform, Values, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.study_facts import StudyFacts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
@@ -238,11 +239,12 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     """Preload and rate are those of ``valvetrain static --model multi-mass``; without a model
     those of the rod, as in a run.
     """
-    from valvetrain.runs.statics import static_study
+    from valvetrain.runs.requests import Modes
+    from valvetrain.runs.static_study import static_study
 
     case = parse_case(SMALL)
     told = ("preload", "installed_rate", "mode_1_frequency")
-    static = static_study(case, ["multi-mass"], modes=12).still[""]
+    static = static_study(Modes(case=case, models=("multi-mass",), count=12)).still[""]
     chain = evaluate(point(case, "multi-mass", None, told, rest_model="multi-mass"))
     assert [chain.values[name] for name in told] == [static[name] for name in told]
     rod = evaluate(point(case, "multi-mass", None, told))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError, registry
+from valvetrain.explore.distributions import LogNormal, Normal, Uniform, Values
 from valvetrain.explore.samplers import sampler
-from valvetrain.explore.space import LogNormal, Normal, Uniform, Values, Varied
+from valvetrain.explore.space import Varied
 
 UNIT = tuple(Varied(name, distribution=Uniform(0.0, 1.0)) for name in "abc")
 

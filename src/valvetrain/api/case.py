@@ -336,7 +336,7 @@ class Case:
         ------
         InputError : an unknown quantity or sampler, units that do not fit
         """
-        from valvetrain.explore.space import Values
+        from valvetrain.explore.distributions import Values
 
         names = [outputs] if isinstance(outputs, str) or callable(outputs) else list(outputs)
         if any(map(callable, names)) or any(map(is_object, varied.values())):
@@ -422,8 +422,8 @@ class Case:
         InputError : as :meth:`study`; no start that can be computed, with the reason
         """
         from valvetrain.api.trace import ACCEPTED, identify_by_trace, is_trace
+        from valvetrain.explore.distributions import Uniform
         from valvetrain.explore.posterior import Datum
-        from valvetrain.explore.space import Uniform
         from valvetrain.solution.definition import definition_of
 
         priors = {
@@ -449,9 +449,10 @@ class Case:
     def _experiment(
         self, varied: Mapping[str, Any], outputs: Any, speeds: Any, models: Any, sets: Any
     ) -> Experiment:
+        from valvetrain.explore.distributions import Prior, Values
         from valvetrain.explore.experiment import Experiment
         from valvetrain.explore.outputs import Outputs
-        from valvetrain.explore.space import Prior, Space, Values
+        from valvetrain.explore.space import Space
 
         space = {
             key: item if isinstance(item, (Prior, Values)) else Values(tuple(item))

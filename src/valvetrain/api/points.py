@@ -105,10 +105,11 @@ def experiment_of_points(
     """The experiment of a case with functions among its ``outputs`` or values. Raises
     :class:`InputError` for an unknown quantity and several models.
     """
+    from valvetrain.explore.distributions import Prior, Values
     from valvetrain.explore.engine import with_case_units
     from valvetrain.explore.experiment import Experiment
     from valvetrain.explore.outputs import Outputs
-    from valvetrain.explore.space import Prior, Space, Values
+    from valvetrain.explore.space import Space
     from valvetrain.solution.definition import is_defined, no_quantity
 
     names = [name_of(one) for one in outputs]

@@ -15,9 +15,9 @@ from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_f
 if TYPE_CHECKING:
     import xarray
 
+    from valvetrain.explore.distributions import Prior
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.posterior import Datum
-    from valvetrain.explore.space import Prior
 
 TURN = 2 * np.pi
 #: Samples of a trace that are compared, evenly over the cycle; more say nothing new.

@@ -19,22 +19,9 @@ def static(request: Static, line: StudyLine, folder: Path) -> None:
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
     at heights and loads requested.
     """
-    from valvetrain.runs.statics import static_study
+    from valvetrain.runs.static_study import static_study
 
-    def compute(request: Static, watch: Watch) -> Study:
-        return static_study(
-            request.case,
-            request.models,
-            spring_sets=request.spring_sets,
-            largest_compression=request.largest_compression,
-            steps=request.steps,
-            heights=request.heights,
-            loads=request.loads,
-            progress=watch.progress,
-            implausible=request.implausible,
-        )
-
-    answer_study(request, line, folder, compute, request.cost(), ("statics",), FEWER_AT_REST)
+    answer_study(request, line, folder, static_study, request.cost(), ("statics",), FEWER_AT_REST)
 
 
 register = command_of(Static, StudyLine, static)
@@ -44,22 +31,12 @@ def modes(request: Modes, line: StudyLine, folder: Path) -> None:
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its
     springs, as one.
     """
-    from valvetrain.runs.statics import static_study
+    from valvetrain.runs.static_study import static_study
     from valvetrain.runs.train_runs import train_modes
 
     def compute(request: Modes, watch: Watch) -> Study:
         case, models, sets = request.case, request.models, request.spring_sets
-        study = static_study(
-            case,
-            models,
-            spring_sets=sets,
-            command="modes",
-            compression=request.compression,
-            modes=request.count,
-            attached_mass=request.end_mass,
-            progress=watch.progress,
-            implausible=request.implausible,
-        )
+        study = static_study(request, watch)
         if case.train is None or request.compression is not None:
             return study
         lowest = (one.lowest(request.count) for one in train_modes(case, models, spring_sets=sets))

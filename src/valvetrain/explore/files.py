@@ -20,21 +20,18 @@ from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal, unit_in_case, unit_of, vary
-from valvetrain.explore.outputs import LimitSearch, limit_search
-from valvetrain.explore.samplers import MAX_POINTS
-from valvetrain.explore.space import (
-    ENGINE_SPEED,
+from valvetrain.explore.distributions import (
     SIGMAS,
     Distribution,
     LogNormal,
     Normal,
-    Operation,
     Prior,
-    Space,
     Uniform,
     Values,
-    Varied,
 )
+from valvetrain.explore.outputs import LimitSearch, limit_search
+from valvetrain.explore.samplers import MAX_POINTS
+from valvetrain.explore.space import ENGINE_SPEED, Operation, Space, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml, read_text
 from valvetrain.parameters.overrides import REMOVED

@@ -14,7 +14,7 @@ from valvetrain.findings.facts import Facts
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import inline
 from valvetrain.runs.api import simulate
-from valvetrain.runs.statics import curve_by_model
+from valvetrain.runs.static_study import curve_by_model
 from valvetrain.units import to_unit
 
 #: What people change, by its key in a table of the springs or at the top of the case.

@@ -210,7 +210,8 @@ def fit_of(posterior: Posterior, peak: Peak) -> Fit:
     one as far as the data determine it, one on its bound none.
 
     >>> from valvetrain.explore.posterior import Datum
-    >>> from valvetrain.explore.space import Prior, Varied
+    >>> from valvetrain.explore.distributions import Prior
+    >>> from valvetrain.explore.space import Varied
     >>> data = tuple(Datum(f"load {k}", value, 1.0) for k, value in enumerate((9.0, 10.0, 14.0)))
     >>> posterior = Posterior((Varied("load", distribution=Prior("uniform", 0.0, 1e3)),), data, lambda points: [])
     >>> found = fit_of(posterior, Peak(np.array([11.0]), {one.key: 11.0 for one in data}, 14.0, np.full((3, 1), 288.7)))

@@ -11,6 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
+from valvetrain.explore.distributions import Prior, Values
 from valvetrain.explore.engine import Evaluation, Plan
 from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import (
@@ -30,7 +31,7 @@ from valvetrain.explore.outputs import (
     refuse_sets,
     share_of_case,
 )
-from valvetrain.explore.space import ENGINE_SPEED, Prior, Space, Values, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring

@@ -17,12 +17,12 @@ from valvetrain.runs.request_fields import option, read_count, read_text
 from valvetrain.runs.stopping import shows_progress
 
 if TYPE_CHECKING:
+    from valvetrain.explore.distributions import Prior
     from valvetrain.explore.files import FileText
     from valvetrain.explore.identification_file import Search
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.posterior import Datum, Evaluate
-    from valvetrain.explore.space import Prior
     from valvetrain.explore.table import StudyTable
     from valvetrain.runs.workers import Progress
 

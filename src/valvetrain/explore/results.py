@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from valvetrain.explore.space import Space, Values, Varied
+from valvetrain.explore.distributions import Values
+from valvetrain.explore.space import Space, Varied
 from valvetrain.findings.words import Words, digits_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.atomic import write_text

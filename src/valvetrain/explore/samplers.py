@@ -15,8 +15,9 @@ from pydantic import Field, ValidationError
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.distributions import Values
 from valvetrain.explore.outputs import Run
-from valvetrain.explore.space import Space, Values, Varied
+from valvetrain.explore.space import Space, Varied
 from valvetrain.parameters.schema_types import StrictModel, first_problem
 from valvetrain.registry import find
 

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
+from valvetrain.explore.distributions import Values
 from valvetrain.explore.engine import Engine, Evaluation, Interrupted
 from valvetrain.explore.execution import Execution, Watch, silent
 from valvetrain.explore.files import (
@@ -27,7 +28,7 @@ from valvetrain.explore.files import (
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.outputs import Outcome, Outputs, Task
 from valvetrain.explore.samplers import SamplerSpec, sampler, sensitivity_of
-from valvetrain.explore.space import ENGINE_SPEED, Space, Values
+from valvetrain.explore.space import ENGINE_SPEED, Space
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring

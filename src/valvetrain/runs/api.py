@@ -19,7 +19,8 @@ from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_fields import read_limit
 from valvetrain.runs.requests import Compare, Run, SpeedRequest, Sweep, Watch
 from valvetrain.runs.run import run_study, sweep_study
-from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.static_study import curve_by_model
+from valvetrain.runs.statics import STEPS
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.critical import CriticalSpeeds

@@ -282,7 +282,7 @@ def static_cost(
     heights: int,
     modes: int = 0,
 ) -> Cost:
-    """Cost of :func:`valvetrain.runs.statics.static_study` at as many ``heights``, those of its curves too."""
+    """Cost of :func:`valvetrain.runs.static_study.static_study` at as many ``heights``, those of its curves too."""
     from valvetrain.system.build import default_model
 
     parts = planned(RunRequest("static", case, None, (), tuple(spring_sets), 1))

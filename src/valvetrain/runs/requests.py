@@ -449,6 +449,8 @@ class Modes(SpringRequest):
     """Natural frequencies of springs, and of a train with its springs."""
 
     command = "modes"
+    #: Even steps of the static curve that is computed along with them.
+    steps: ClassVar[int] = 24
 
     count: int = option(
         partial(read_count, 1, MAX_COUNTED),
@@ -491,9 +493,8 @@ class Modes(SpringRequest):
     def cost(self) -> Cost:
         """Estimated time and memory."""
         from valvetrain.runs.cost import static_cost
-        from valvetrain.runs.statics import CURVE_OF_MODES
 
-        sizes = {"heights": CURVE_OF_MODES, "modes": self.count}
+        sizes = {"heights": self.steps, "modes": self.count}
         return static_cost(self.case, self.models, spring_sets=self.spring_sets, **sizes)
 
 

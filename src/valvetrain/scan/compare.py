@@ -13,7 +13,8 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.winding import EndCoil
-from valvetrain.runs.statics import static_study
+from valvetrain.runs.requests import Modes
+from valvetrain.runs.static_study import static_study
 from valvetrain.scan.reconstruct import turned_over
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.display import Shown
@@ -129,7 +130,7 @@ def compare_scan(scan: ScannedSpring, design: AnyCase) -> ScanComparison:
     title = f"{case.title or case.name}, as scanned"
     scanned = replace(case, springs=(as_installed(upright, installed),), title=title)
     cases = case, scanned
-    rest = [static_study(part, command="modes", modes=MODES, implausible=True) for part in cases]
+    rest = [static_study(Modes(case=part, count=MODES, implausible=True)) for part in cases]
     numbers = _at_rest(cases, rest)
     notes = [note for note in upright.notes if not note.startswith(ASSUMED)]
     notes.append(f"material, damping, contacts and inactive turns of the design '{case.name}'")
