@@ -57,7 +57,8 @@ validate: environment-test parts
 
 validate-all: environment-test parts
 	$(ONE_THREAD) $(BIN)/python -m validation --page docs/validation.md
-	VALVETRAIN_LONG=1 VALVETRAIN_ALL=1 nice $(PYTEST) --dist load -m long tests/contracts/test_one_way_to_a_case.py $(ARGS)
+	VALVETRAIN_LONG=1 VALVETRAIN_ALL=1 nice env $(PYTEST) --dist load -m long tests/contracts/test_one_way_to_a_case.py \
+		tests/limits/test_lift_files_with_known_answers.py tests/limits/test_tester_files.py tests/limits/test_meshes.py $(ARGS)
 
 docs: environment-test parts
 	$(ONE_THREAD) $(BIN)/python -m sphinx -b html -n -W --keep-going -q -d build/doctrees docs build/docs
@@ -84,7 +85,7 @@ mutants: environment-test
 
 faults: environment-test
 	$(ONE_THREAD) nice $(BIN)/python -m faults $(ARGS)
-	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
+	VALVETRAIN_LONG=1 nice env $(PYTEST) tests/unit/test_study_dask.py
 
 # Another processor rounds elsewhere: the tests of limits and orders with the kernels of OpenBLAS for one from 2004.
 test-processor: environment-test
@@ -111,7 +112,7 @@ workbench: environment-test parts
 
 guides: environment-test parts
 	$(ONE_THREAD) nice $(BIN)/python scripts/write_pages.py how-to
-	VALVETRAIN_LONG=1 nice $(PYTEST) tests/examples/test_how_to.py
+	VALVETRAIN_LONG=1 nice env $(PYTEST) tests/examples/test_how_to.py
 
 pins:
 	@bash scripts/pins.sh

@@ -174,6 +174,8 @@ def test_a_contour_in_a_file_is_a_lift_by_its_follower():
     text = polar_table(TURN, radii)
     with pytest.raises(InputError, match="follower"):
         lifts_in(text, "own.csv", LiftAnswers())
+    with pytest.raises(InputError, match="the angle in own"):
+        lifts_in(text + b"\n" + 300 * b"9" + b",15", "own.csv", LiftAnswers(follower="flat"))
     x, y = 1e3 * radii * np.cos(TURN), 1e3 * radii * np.sin(TURN)
     drawn = "\n".join(
         ["x (mm);y (mm)", *(f"{one:.6f};{two:.6f}" for one, two in zip(x, y, strict=True))]

@@ -240,6 +240,16 @@ def test_a_rate_that_no_spring_has_is_refused():
         spring_from_tester(ForceHeight(50e-3 - place, 1e9 * place))
 
 
+def test_forces_that_never_press_are_refused(tmp_path):
+    """The last three rows have lost their signs: the zero before contact was taken for the largest force."""
+    place = np.arange(0.0, 24.0, 0.8)
+    force = 30.0 * np.clip(place - 2.0, 0, None) + 4000 * np.clip(place - 22.0, 0, None)
+    turned = np.where(place > 21, -1, 1)
+    file = file_of(tmp_path, zip((turned * place).round(1), (turned * force).round(1), strict=True))
+    with pytest.raises(InputError, match="presses at no station"):
+        read_force_height(file, free_length=52e-3)
+
+
 def test_no_number_is_printed_for_forces_that_are_noise(tmp_path):
     noise = np.random.default_rng(3).standard_normal(80).round(3)
     with pytest.raises(InputError):

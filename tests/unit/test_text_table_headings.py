@@ -14,6 +14,8 @@ ROWS = ["0;1,5;80", "1;2,5;81", "2;3,5;82"]
     [
         (["Time [ms];Lift (in);Oil T [degF]"], ("Time", "Lift", "Oil T"), ("ms", "in", "degF")),
         (["Time / ms;Lift in inch;Oil T"], ("Time", "Lift", "Oil T"), ("ms", "inch", "")),
+        (["Time;Ventilhub mm;Oil T"], ("Time", "Ventilhub mm", "Oil T"), ("", "mm", "")),
+        (["Time;check in;Oil T"], ("Time", "check in", "Oil T"), ("", "", "")),
         (['"Time";"Lift";"Oil T"'], ("Time", "Lift", "Oil T"), ("", "", "")),
         (["Time;Lift;Oil T", "ms;in;degF"], ("Time", "Lift", "Oil T"), ("ms", "in", "degF")),
         (["Time;Lift;Oil T", "[ms];[in];[degF]"], ("Time", "Lift", "Oil T"), ("ms", "in", "degF")),

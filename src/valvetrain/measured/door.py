@@ -11,7 +11,8 @@ from valvetrain.errors import InputError
 
 #: SI unit -> bounds of the largest value of a measurement; wide enough for ship engines and for springs of models.
 RANGES = {
-    "N": (1e-3, 1e5), "m": (1e-6, 1.0), "Pa": (1.0, 1e10), "N/m^2": (1.0, 1e10), "m/s": (1e-6, 200.0), "m/s^2": (1e-3, 1e7), "1/s": (1e-3, 1e9)
+    "N": (1e-3, 1e5), "m": (1e-6, 1.0), "Pa": (1.0, 1e10), "N/m^2": (1.0, 1e10), "m/s": (1e-6, 200.0), "m/s^2": (1e-3, 1e7), "1/s": (1e-3, 1e9),
+    "rad": (1e-3, 1e3),
 }  # fmt: skip
 
 

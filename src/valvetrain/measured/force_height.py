@@ -210,6 +210,10 @@ def force_height_in(
     read = _branches(-places if falls else places, forces, name, notes)
     read = replace(read, scatter=_rounding(read, *steps), digit=steps[1])
     read = _tared(read) if kind == "height" else _from_contact(read, kind, free_length)
+    if read.forces.max() <= 0:
+        raise InputError(
+            f"the spring of {name} presses at no station; check which column is the force and its zero"
+        )
     read = replace(read, free_length=free_length)
     return replace(read, doubts=tuple(_doubts(read, name)))
 

@@ -285,6 +285,7 @@ def _lifted(found: LiftColumns, answers: LiftAnswers, name: str) -> LiftColumns:
     else:
         x, y = found.rows[:, at["x"]], found.rows[:, at["y"]]
         angles, radii = np.mod(np.arctan2(y, x), TURN), np.hypot(x, y)
+    refuse_beyond(angles, "rad", f"the angle in {name[:80]}")
     angles, places = np.unique(np.round(angles, 12), return_index=True)
     radii = radii[places] * unit_factor(unit)
     refuse_beyond(radii, "m", f"the radius in {name[:80]}")

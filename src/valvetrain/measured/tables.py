@@ -305,12 +305,13 @@ def _parts(heading: str, width: int) -> list[str] | None:
 
 
 def name_and_unit(part: str) -> tuple[str, str]:
-    """Name and unit of a heading such as ``lift [mm]``, ``lift in mm`` or ``lift / mm``."""
+    """Name and unit of a heading such as ``lift [mm]``, ``lift in mm``, ``lift / mm`` or ``lift mm``."""
     found = re.fullmatch(r"(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\bin\s+(\S+)|/\s*(\S+))\s*", part)
-    return (
-        (part, "")
-        if found is None
-        else (found[1].strip(), (found[2] or found[3] or found[4] or "").strip())
+    if found is not None:
+        return found[1].strip(), (found[2] or found[3] or found[4] or "").strip()
+    last = part.lower().split()[1:][-1:]
+    return part, "".join(
+        word for word in last if len(word) > 1 and word != "in" and word in UNIT_NAMES
     )
 
 
