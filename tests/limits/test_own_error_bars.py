@@ -215,12 +215,12 @@ def test_a_bar_beyond_its_value_is_a_state_and_no_number_of_a_sentence():
     row = Uncertainty(
         "peak_clash_force", speed, 93.0, 1031.0, None, 93.0, 0.0, (93.0,) * 2, (93.0,) * 2, "rod"
     )
-    assert not row.resolved and row.rests_on_contact_constants and row.range is None
+    assert not row.resolved and row.rests_on_contact_constants and row.contact_range is None
     told = study_json(Study(CaseRecord("own"), error_bars=Bars((row,))))["uncertainties"][0]
     assert told["resolved"] is False and told["rests_on_contact_constants"] is True
     varied = replace(row, numerical=9.0, contact_stiffness=(60.0, 130.0), damping=(90.0, 95.0))
     assert varied.resolved and not varied.rests_on_contact_constants
-    assert varied.range == (60.0, 130.0, ("contact stiffness", "damping"))
+    assert varied.contact_range == (60.0, 130.0, ("contact stiffness", "damping"))
     smooth = replace(row, quantity="peak_valve_lift")
     assert not smooth.rests_on_contact_constants
 

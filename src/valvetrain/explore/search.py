@@ -209,10 +209,10 @@ def search_from(plan: OptimumPlan, case: Trial, compute: Compute) -> None:
     with quiet_optuna() as optuna:
         proposals = _Proposals(optuna, plan)
         if begin is not None:
-            proposals.round([begin], 1, lambda points: [case])
+            proposals.computed_round([begin], 1, lambda points: [case])
         while (left := search.trials - local + 1 - len(trials)) > 0 or first:
             # the generations of NSGA-II hold infeasible designs too, with their objectives
-            trials += proposals.round(
+            trials += proposals.computed_round(
                 first,
                 len(first) or min(search.per_round, left),
                 lambda points: compute(points, search.method != "nsga2"),
@@ -251,13 +251,13 @@ class _Proposals:
         self.axes = {f"{place:03d}": axis for place in range(len(plan.varied))}
         self.no_number = optuna.trial.TrialState.PRUNED
 
-    def round(
+    def computed_round(
         self,
         given: Sequence[Array],
         count: int,
         compute: Callable[[Sequence[Array]], list[Trial]],
     ) -> list[Trial]:
-        """What comes of the next ``count`` points (d,), those that are ``given`` first; a trial without an objective counts as
+        """The next ``count`` points (d,) with their numbers, those that are ``given`` first; a trial without an objective counts as
         infeasible without a number.
         """
         for point in given:

@@ -106,7 +106,7 @@ class Facts:
         if not math.isfinite(value):
             return None
         row = self.study.error_bars.of(name, run.label, run.engine_speed)
-        bar, ends = (0.0, None) if row is None else (row.numerical, row.range)
+        bar, ends = (0.0, None) if row is None else (row.numerical, row.contact_range)
         if ends is not None:
             return Amount(name, value, max(bar, value - ends.low, ends.high - value))
         open_ = value != 0 and OF_CONTACT.search(name) is not None

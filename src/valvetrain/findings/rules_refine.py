@@ -61,7 +61,11 @@ def share_of(row: Uncertainty) -> float:
 
 def reach_of(row: Uncertainty) -> float:
     """Half the range over contact constants as a share of the value."""
-    return (row.range.high - row.range.low) / 2 / abs(row.value) if row.range else 0.0
+    return (
+        (row.contact_range.high - row.contact_range.low) / 2 / abs(row.value)
+        if row.contact_range
+        else 0.0
+    )
 
 
 def failed(facts: RefineFacts) -> Hits:
@@ -128,8 +132,8 @@ def _moved(facts: RefineFacts) -> Fields:
         return {}
     ranks = {name: len(DECIDE) - place for place, name in enumerate(DECIDE)}
     row = max(rows, key=lambda one: (ranks.get(one.quantity, 0), reach_of(one)))
-    assert row.range is not None
-    ends = {end: Amount(row.quantity, getattr(row.range, end)) for end in ("low", "high")}
+    assert row.contact_range is not None
+    ends = {end: Amount(row.quantity, getattr(row.contact_range, end)) for end in ("low", "high")}
     moved: Fields = {"name": label_of(row.quantity), "place": facts.place(row), **ends}
     return {"moved": Phrase("{name} {low..high}[ {place}]", moved)}
 

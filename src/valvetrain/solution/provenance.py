@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
-from typing import Literal
+from typing import Any, Literal
 
 from valvetrain.errors import FrozenMapping
 from valvetrain.solution.status import Fact
@@ -55,39 +55,17 @@ class Provenance:
         object.__setattr__(self, "label", self.label or self.model)
 
 
-def collect_provenance(
-    case_name: str,
-    model: str,
-    *,
-    engine_speed: float = 0.0,
-    case_digest: str = "",
-    options: Mapping[str, Option] | None = None,
-    created_at: str = "",
-    citations: Iterable[str] = (),
-    label: str = "",
-    spring_set: str = "",
-    system: str = "",
-    springs: tuple[str, ...] = ("spring",),
-) -> Provenance:
+def collect_provenance(case_name: str, model: str, **fields: Any) -> Provenance:
     """Provenance with the versions of this package, of Python and of :data:`DEPENDENCIES` filled
-    in.
+    in; ``fields``: further ones of :class:`Provenance`.
     """
-    versions = {name: version for name in DEPENDENCIES if (version := _version(name))}
     return Provenance(
         case_name,
         model,
-        engine_speed,
-        case_digest,
-        _version("valvetrain"),
-        platform.python_version(),
-        versions,
-        options or {},
-        created_at,
-        tuple(citations),
-        label,
-        spring_set,
-        system,
-        springs,
+        package_version=_version("valvetrain"),
+        python_version=platform.python_version(),
+        dependencies={name: version for name in DEPENDENCIES if (version := _version(name))},
+        **fields,
     )
 
 

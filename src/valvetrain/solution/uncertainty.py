@@ -59,7 +59,7 @@ class Uncertainty:
         return self.numerical <= abs(self.value)
 
     @property
-    def range(self) -> ContactRange | None:
+    def contact_range(self) -> ContactRange | None:
         """The range over contact stiffness and damping; None where neither was varied."""
         varied = {
             name: values
@@ -77,7 +77,11 @@ class Uncertainty:
     @property
     def rests_on_contact_constants(self) -> bool:
         """Whether contact constants decide a quantity of this kind and no range of it was computed."""
-        return self.range is None and self.value != 0 and bool(OF_CONTACT.search(self.quantity))
+        return (
+            self.contact_range is None
+            and self.value != 0
+            and bool(OF_CONTACT.search(self.quantity))
+        )
 
 
 class NoErrorBar(NamedTuple):

@@ -84,7 +84,7 @@ def _comparison_object(row: Comparison) -> dict[str, Any]:
 
 def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
     """A number with its error bar and its range over the contact constants."""
-    unit, found = unit_of(row.quantity), row.range
+    unit, found = unit_of(row.quantity), row.contact_range
     label = {"label": row.label} if row.label else {}
     return {
         "quantity": row.quantity,

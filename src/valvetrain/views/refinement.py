@@ -72,7 +72,7 @@ class RefineAnswer(ShownByRules):
     def _cells(self, row: Uncertainty) -> tuple[str, ...]:
         unit = self.words.unit(row.quantity, row.value)
         value, bar = (digits_text(one / unit.size, 0, 4 - 2 * k) for k, one in enumerate((row.value, row.numerical)))  # fmt: skip
-        reach = row.range
+        reach = row.contact_range
         ends = "" if reach is None else self.words.span(Amount(row.quantity, reach.low), Amount(row.quantity, reach.high), 4)  # fmt: skip
         return f"{value} {unit.text}".strip(), f"± {bar}", ends
 

@@ -145,7 +145,7 @@ def error_bars(answer: ShownStudy) -> TextTable:
         unit = answer.words.unit(one.quantity, one.value)
         speed = "" if one.engine_speed is None else speed_text(one.engine_speed)
         numbers = [digits_text(value / unit.size) for value in (one.value, one.numerical)]
-        reach = one.range
+        reach = one.contact_range
         ends = "" if reach is None else " to ".join(digits_text(v / unit.size) for v in reach[:2])
         rows.append((label_of(one.quantity), one.label, speed, unit.text, *numbers, ends))
     heads = (
