@@ -20,7 +20,8 @@ import valvetrain as vt
 from benchmarks.own import Array, timed
 from benchmarks.rows import Row
 from valvetrain.integrate.train_kernel import gaps_and_laws, scratch_of
-from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainRunner, runner
+from valvetrain.integrate.train_record import CycleRecord, TrainOptions
+from valvetrain.integrate.train_run import TrainRunner, runner
 from valvetrain.integrate.train_tuples import Motion
 from valvetrain.parameters.loading import load_case
 from valvetrain.springs.contract import SpringModel

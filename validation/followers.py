@@ -17,7 +17,8 @@ from valvetrain.cam.arcs import ThreeArc
 from valvetrain.cam.closed_form import Cycloidal, Harmonic
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.contact.dissipative import HuntCrossley
-from valvetrain.integrate.train_run import CycleRecord, TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import CycleRecord, TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.mechanism.contour import lift_table, monotone_table
 from valvetrain.mechanism.gap_kinds import CAM_LIFT
 from valvetrain.mechanism.gaps import table_value

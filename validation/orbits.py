@@ -20,7 +20,8 @@ from validation.springs import spring
 from valvetrain.contact.dissipative import Flores, damping_number
 from valvetrain.errors import InputError
 from valvetrain.integrate.steady import repeat_cycles
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import scaled_cycle
 from valvetrain.mechanism.contour import lift_table
 from valvetrain.mechanism.gap_kinds import CAM_LIFT, LINEAR

@@ -13,7 +13,8 @@ import pytest
 
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.api import simulate

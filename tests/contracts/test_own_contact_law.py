@@ -16,7 +16,8 @@ from valvetrain.contact.dissipative import Flores
 from valvetrain.contact.elastic import LinearContact
 from valvetrain.contact.kernels import OWN_LAW
 from valvetrain.contact.law import OwnLaw
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.system.train_forces import law_force
 
 

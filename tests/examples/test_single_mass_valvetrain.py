@@ -10,7 +10,8 @@ import pytest
 
 from train_parts import TrainSystem, build_mechanism, direct
 from valvetrain.cam.closed_form import SinePower
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters
 from valvetrain.springs.massless import MasslessSpring

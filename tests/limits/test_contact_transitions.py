@@ -11,7 +11,8 @@ import pytest
 
 from valvetrain.contact.dissipative import HuntCrossley, rebound
 from valvetrain.contact.elastic import HertzPoint
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.integrate.train_tuples import TRANSITIONS
 from valvetrain.integrate.transitions import Transitions

@@ -17,7 +17,8 @@ import valvetrain as vt
 from train_parts import direct
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.contract import Orbit
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train, train_multipliers
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case

@@ -12,7 +12,8 @@ from valvetrain.cam.closed_form import Harmonic
 from valvetrain.cam.pieces import PeriodicPieces
 from valvetrain.cam.spline import Stations
 from valvetrain.contact.elastic import LinearContact
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.contour import lift_jumps, lift_table
 from valvetrain.mechanism.gap_kinds import CAM_LIFT

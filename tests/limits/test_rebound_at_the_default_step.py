@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 from valvetrain.contact.dissipative import Flores, HuntCrossley, LankaraniNikravesh, damping_number
 from valvetrain.contact.elastic import LinearContact
 from valvetrain.contact.impact import ImpactContact
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_tuples import PEAK_ACCELERATION
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction

@@ -13,7 +13,8 @@ from train_parts import KINDS, LAW, PLACES, contacts, direct, finger, system
 from valvetrain.contact.dissipative import rebound
 from valvetrain.contact.elastic import LinearContact
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.schema_contact import ContactParameters

@@ -15,7 +15,8 @@ from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, s
 from twins.train_step import sliding_state
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.integrate.train_friction import slowed
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.train_parts import FollowerParameters
 from valvetrain.quantities.kinematics import rigid_table

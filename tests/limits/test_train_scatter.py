@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from valvetrain.integrate.train_channels import COMPARED, STEADY_VALVE, cycle_numbers
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import parse_case
 from valvetrain.runs.api import simulate

@@ -17,7 +17,8 @@ from scipy.linalg import expm
 
 from train_parts import pushrod, system
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction, MaxwellLink

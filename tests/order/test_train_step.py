@@ -11,7 +11,8 @@ import pytest
 
 from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.prepared import Plan, prepare, with_quantities
 from valvetrain.system.build import build

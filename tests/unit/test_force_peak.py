@@ -14,7 +14,8 @@ from scipy.signal import butter, sosfiltfilt
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.api import simulate

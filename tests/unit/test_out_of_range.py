@@ -11,7 +11,8 @@ import valvetrain as vt
 from train_parts import KINDS, direct, system
 from valvetrain.integrate.contract import RunUp
 from valvetrain.integrate.run import run as integrate
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.provenance import Provenance

@@ -21,7 +21,8 @@ from valvetrain.coil_contact.law import contact_response
 from valvetrain.coil_contact.law import law_of as coil_law_of
 from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.parameters.own_parts import own_name

@@ -15,7 +15,8 @@ from train_parts import direct, system
 from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.integrate.run_up import turns_of_run_up
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.views.page import data_of
 

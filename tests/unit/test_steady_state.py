@@ -11,7 +11,8 @@ from train_parts import contacts, direct, system
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.spring_return import rigid_motion, spring_return
 from valvetrain.integrate.steady import PROBE_CYCLES, accelerate, repeat_cycles
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import _weights, steady_train
 from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters

@@ -7,7 +7,8 @@ import pytest
 
 from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import integrate_in_time
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.train_parts import SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state

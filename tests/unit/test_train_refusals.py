@@ -9,7 +9,8 @@ import pytest
 
 from train_parts import LAW, STIFF, contacts, direct, finger, pushrod, rocker, system
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.schema_contact import ContactParameters

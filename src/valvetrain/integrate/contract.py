@@ -9,7 +9,8 @@ from typing import Literal, Protocol, runtime_checkable
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.integrate.train_run import TrainRunner, TrainState
+from valvetrain.integrate.train_record import TrainState
+from valvetrain.integrate.train_run import TrainRunner
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import SpringModel

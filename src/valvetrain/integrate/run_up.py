@@ -7,13 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from valvetrain.integrate.contract import RunUp
-from valvetrain.integrate.train_run import (
-    CycleRecord,
-    TrainOptions,
-    TrainRunner,
-    TrainState,
-    runner,
-)
+from valvetrain.integrate.train_record import CycleRecord, TrainOptions, TrainState
+from valvetrain.integrate.train_run import TrainRunner, runner
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 

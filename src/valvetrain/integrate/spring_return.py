@@ -14,7 +14,8 @@ from numba import types
 from valvetrain.arrays import Array
 from valvetrain.compiled import njit
 from valvetrain.integrate.spring_slot import OPTIONS, SPRING_FUNCTION, compiled_once
-from valvetrain.integrate.train_run import TrainRunner, TrainState
+from valvetrain.integrate.train_record import TrainState
+from valvetrain.integrate.train_run import TrainRunner
 from valvetrain.springs.contract import SpringModel
 
 #: Disturbance of a scaled state from which a linear step is read.

@@ -9,7 +9,8 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.integrate.contract import RunOptions
-from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_record import CycleRecord, TrainState
+from valvetrain.integrate.train_run import TrainRunner
 from valvetrain.integrate.train_tuples import (
     HIGHEST,
     HIGHEST_ANGLE,

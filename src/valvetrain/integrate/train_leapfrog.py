@@ -14,7 +14,8 @@ from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Orbit, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import least_forces, train_channels, train_statistics
-from valvetrain.integrate.train_run import TURN, CycleRecord, TrainOptions, TrainRunner, runner
+from valvetrain.integrate.train_record import TURN, CycleRecord, TrainOptions
+from valvetrain.integrate.train_run import TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
 from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.provenance import Provenance

@@ -22,7 +22,8 @@ from valvetrain.integrate.steady import (
     residual_norm,
 )
 from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
-from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
+from valvetrain.integrate.train_record import CycleRecord, TrainState
+from valvetrain.integrate.train_run import OFF_CAM, TrainRunner
 from valvetrain.parameters.summary import share_text
 from valvetrain.solution.status import COMPLETED, Status
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from valvetrain.arrays import Array, Flags
 from valvetrain.integrate.train_channels import load_name, peak_forces
-from valvetrain.integrate.train_run import CycleRecord
+from valvetrain.integrate.train_record import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
 from valvetrain.quantities.forces import counted_quantities

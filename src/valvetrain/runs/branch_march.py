@@ -12,7 +12,8 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Orbit
 from valvetrain.integrate.multipliers import CYCLES, loss_of_stability, lyapunov_exponent
 from valvetrain.integrate.steady import FAST, repeat_cycles
-from valvetrain.integrate.train_run import TrainOptions, TrainRunner, TrainState, runner
+from valvetrain.integrate.train_record import TrainOptions, TrainState
+from valvetrain.integrate.train_run import TrainRunner, runner
 from valvetrain.integrate.train_steady import (
     SteadyTrain,
     scaled_cycle,

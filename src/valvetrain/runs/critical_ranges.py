@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from valvetrain.integrate.train_leapfrog import SAMPLES
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.runs.critical_scan import SCAN, Scan
 from valvetrain.runs.error_bars import divided, wire_damped
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare

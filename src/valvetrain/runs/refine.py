@@ -11,7 +11,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_leapfrog import LARGE_SAMPLES
 from valvetrain.integrate.train_leapfrog import SAMPLES as TRAIN_SAMPLES
-from valvetrain.integrate.train_run import TrainOptions, runner
+from valvetrain.integrate.train_record import TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.clash import ClashWindow, find_clash_window, main_clash_quantities

@@ -13,7 +13,8 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.integrate.run_up import turns_of_run_up
 from valvetrain.integrate.train_leapfrog import FINER_STEPS, SAMPLES
-from valvetrain.integrate.train_run import CycleRecord, TrainOptions, runner
+from valvetrain.integrate.train_record import CycleRecord, TrainOptions
+from valvetrain.integrate.train_run import runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import bind_clearances
