@@ -19,6 +19,7 @@ from validation.row import Row, book_case
 from validation.springs import spring
 from valvetrain.contact.dissipative import Flores, damping_number
 from valvetrain.errors import InputError
+from valvetrain.integrate.multipliers import DISTURBANCE, multipliers
 from valvetrain.integrate.steady import repeat_cycles
 from valvetrain.integrate.train_record import TrainOptions
 from valvetrain.integrate.train_run import runner
@@ -53,9 +54,12 @@ def train(bouncer: Bouncer) -> TrainSystem:
 
 @dataclass(frozen=True)
 class Orbit:
-    """An orbit of the package: its state at angle zero (height over the surface's zero, velocity) and its multipliers."""
+    """An orbit of the package: its state at angle zero (height over the surface's zero, velocity), the slopes of the turn's
+    map there, and the multipliers that the package finds.
+    """
 
     state: Array
+    slopes: Array
     multipliers: NDArray[np.complex128]
 
 
@@ -68,7 +72,7 @@ def known_start(bouncer: Bouncer, impact: Array, cam_speed: float) -> Array:
 def orbit(bouncer: Bouncer, cam_speed: float, start: Array, size: float) -> Orbit:
     """The package's orbit near a state at angle zero, by Newton's method on its cycle map.
 
-    ``size`` (m): of the motion; disturbances are a hundredth of it, so that an impact passes over several steps.
+    ``size`` (m): of the motion; the slopes for the search are taken over a hundredth of it, as those for multipliers.
     Raises InputError where none is found.
     """
     ready = runner(
@@ -85,8 +89,9 @@ def orbit(bouncer: Bouncer, cam_speed: float, start: Array, size: float) -> Orbi
         slopes = np.array(
             [(cycle(state + step) - cycle(state - step)) / (0.02 * scale) for step in steps]
         ).T
-        if np.max(np.abs(left)) < 2e-5:
-            return Orbit(state / weights, largest_first(slopes))
+        if np.max(np.abs(left)) < 5e-5:  # the map jumps by 3e-5 where an impact passes over a step
+            found = multipliers(cycle, state, np.eye(2), disturbance=DISTURBANCE * scale)
+            return Orbit(state / weights, slopes, found)
         state = state - np.linalg.solve(slopes - np.eye(2), left * scale)
     raise InputError(f"no orbit near the known one at {cam_speed * 30 / math.pi:g} rpm")
 
@@ -165,7 +170,7 @@ def impacting_cam() -> list[Row]:
         )
         values = known[0].real, found.multipliers[0].real
         row(f"{what}, multiplier", values, "-", 0.01 * abs(known[0]), "required: 1 %")
-        product = RESTITUTION**2, float(np.prod(found.multipliers).real)
+        product = RESTITUTION**2, float(np.linalg.det(found.slopes))
         row(f"{what}, product of multipliers", product, "-", 1e-3, "time of contact")
 
     def closed(value: float) -> float:
@@ -264,7 +269,7 @@ def impact_oscillator() -> list[Row]:
         row(
             f"product of multipliers at drive {numbers[1]:g}",
             text(*numbers),
-            (product, float(np.prod(found.multipliers).real)),
+            (product, float(np.linalg.det(found.slopes))),
             "-",
             0.005 * product,
             "0.5 %",

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Orbit
-from valvetrain.integrate.multipliers import CYCLES, loss_of_stability, lyapunov_exponent
+from valvetrain.integrate.multipliers import DIRECTIONS, loss_of_stability, lyapunov_exponent
 from valvetrain.integrate.steady import FAST, repeat_cycles
 from valvetrain.integrate.train_record import TrainOptions, TrainState
 from valvetrain.integrate.train_run import TrainRunner, runner
@@ -92,7 +92,7 @@ class _March:
         size, repels = math.nan, ""
         if settled.search.contraction > FAST:
             largest = complex(train_multipliers(settled)[0])
-            self.revolutions += CYCLES + 1
+            self.revolutions += 2 * DIRECTIONS
             size, repels = abs(largest), loss_of_stability(largest)
         values = (self._value(settled.runner, settled.start)[0],)
         self.points.append(BranchPoint(engine_speed, self.rising, 1, values, repels, size))
