@@ -19,11 +19,12 @@ from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters
 from valvetrain.runs.train_runs import train_modes
+from valvetrain.solution.modes import TrainModes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.system.train_modes import modes_of_train
+from valvetrain.system.train_modes import eigen_at, modes_from
 from valvetrain.system.train_system import TrainSystem
 
 CAM, TIP, SEAT, RATE = 80e6, 60e6, 90e6, 40e3
@@ -33,6 +34,16 @@ CONTACTS = {
     for place, value in (("cam", CAM), ("valve_tip", TIP), ("seat", SEAT))
 }
 NOSE = float(np.linspace(0, math.tau, 3601)[np.argmax(LAW.lift(np.linspace(0, math.tau, 3601)))])
+
+
+def modes_of(
+    system: TrainSystem,
+    installed: tuple[InstalledSpring, ...] = (),
+    cam_angle: float = 0.0,
+    state: str = "closed",
+    label: str = "",
+) -> TrainModes:
+    return modes_from(system, eigen_at(system, installed, cam_angle), cam_angle, state, label)
 
 
 def bucket(*springs: object, **changes: object) -> TrainSystem:
@@ -48,7 +59,7 @@ def test_a_bucket_at_full_lift_is_two_masses():
     """Tappet between cam and valve, valve between tappet and spring: the quadratic of two masses on
     three springs.
     """
-    found = modes_of_train(bucket(MasslessSpring(RATE, 300.0)), cam_angle=NOSE, state="full_lift")
+    found = modes_of(bucket(MasslessSpring(RATE, 300.0)), cam_angle=NOSE, state="full_lift")
     a, b, c = (CAM + TIP) / TAPPET, (TIP + RATE) / VALVE, TIP**2 / (TAPPET * VALVE)
     roots = [((a + b) + sign * math.sqrt((a - b) ** 2 + 4 * c)) / 2 for sign in (-1, 1)]
     assert found.natural_frequency == pytest.approx(np.sqrt(roots) / math.tau, rel=1e-6)
@@ -64,7 +75,7 @@ def test_a_bucket_at_full_lift_is_two_masses():
 
 
 def test_a_closed_valve_with_lash_swings_on_seat_and_spring_and_leaves_the_tappet_free():
-    found = modes_of_train(bucket(MasslessSpring(RATE, 300.0), lash=0.2e-3, gravity=(0.0, 0.0)))
+    found = modes_of(bucket(MasslessSpring(RATE, 300.0), lash=0.2e-3, gravity=(0.0, 0.0)))
     assert (found.state, found.cam_angle, found.valve_lift) == (
         "closed",
         0.0,
@@ -95,7 +106,7 @@ def test_an_elastic_stem_with_a_chain_of_masses_is_the_matrix_written_down():
         ),
         (chain,),
     )
-    found = modes_of_train(system, cam_angle=NOSE, state="full_lift")
+    found = modes_of(system, cam_angle=NOSE, state="full_lift")
     each, link = spring_mass / 5, 5 * RATE
     masses = np.diag([TAPPET, 0.6 * VALVE, 0.4 * VALVE + each / 2, each, each, each, each])
     stiffness = np.zeros((7, 7))
@@ -116,7 +127,7 @@ def test_a_mass_on_the_end_of_a_uniform_spring_follows_the_transcendental_equati
     model = ModalUniform(EquivalentSpring(RATE, 300.0, spring_mass), modes=60)
     soft = {**CONTACTS, "cam": ContactParameters("linear", {"contact_stiffness": contact})}
     rigid = {**soft, "valve_tip": ContactParameters("linear", {"contact_stiffness": 1e11})}
-    found = modes_of_train(bucket(model, contacts=rigid), cam_angle=NOSE, state="full_lift")
+    found = modes_of(bucket(model, contacts=rigid), cam_angle=NOSE, state="full_lift")
     mass = TAPPET + VALVE
 
     def residual(omega: float) -> float:
@@ -179,7 +190,7 @@ def test_both_states_stand_at_nose_and_base_circle_wherever_on_the_turn_the_lobe
 
 def test_a_spring_without_a_mass_only_presses():
     card = InstalledSpring(card=SpringCard(RATE, 300.0))
-    with_card = modes_of_train(bucket(MasslessSpring(RATE, 300.0)), (card,), NOSE)
+    with_card = modes_of(bucket(MasslessSpring(RATE, 300.0)), (card,), NOSE)
     assert len(with_card.natural_frequency) == 2 and with_card.energy_share[:, -1] == pytest.approx(
         0.0
     )
@@ -191,4 +202,4 @@ def test_a_spring_without_a_mass_only_presses():
 def test_modes_are_named_by_their_label_and_else_by_their_train(label, shown):
     built = bucket(MasslessSpring(RATE, 300.0))
     named = TrainSystem(built.mechanism, built.springs, name="stock")
-    assert modes_of_train(named, cam_angle=NOSE, label=label).label == shown
+    assert modes_of(named, cam_angle=NOSE, label=label).label == shown

@@ -16,7 +16,6 @@ from valvetrain.cam import build_lift_law
 from valvetrain.cam.contract import TURN, LiftLaw
 from valvetrain.cam.event import event_of_table
 from valvetrain.cam.flanks import FlankModel
-from valvetrain.cam.pieces import tabulate
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline
 from valvetrain.errors import InputError
@@ -178,32 +177,6 @@ def test_base_circle_is_exactly_zero_and_the_law_periodic(name):
     assert (
         np.shape(law.lift(angle.reshape(1, 101), 1)) == (1, 101) and np.shape(law.lift(1.0)) == ()
     )
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_flat_pieces_are_the_law(name):
-    law = make(name)
-    pieces = tabulate(law, 720)
-    angle = np.sort(np.concatenate([np.linspace(-7.0, 14.0, 3001), law.joints]))
-    exact = hasattr(law, "polynomial_pieces")
-    for derivative in range(3):
-        scale = max(np.max(np.abs(law.lift(angle, derivative))), 1e-12)
-        smooth = away_from_joints(law, 1e-6) if derivative > law.continuity else angle
-        error = np.max(np.abs(pieces.lift(smooth, derivative) - law.lift(smooth, derivative)))
-        # Exact for polynomial laws; else quintics of half a degree, the worst being the 34th power
-        # of the polydyne and the inset at jumps.
-        assert error < (1e-12 if exact else (1e-10, 1e-7, 1e-5)[derivative]) * scale
-
-
-def test_tabulation_converges_with_its_order():
-    # Quintic Hermite pieces: the lift error falls with the sixth power of the step.
-    law = make("sine-power")
-    angle = np.linspace(2.0, 4.2, 7919)
-    errors = [
-        np.max(np.abs(tabulate(law, count).lift(angle) - law.lift(angle))) for count in (24, 48, 96)
-    ]
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all((orders > 5.0) & (orders < 7.0))
 
 
 def test_spline_passes_its_table_and_smoothing_keeps_its_distance():

@@ -415,10 +415,6 @@ class CamCard:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
 
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """The exact flat form."""
-        return self._pieces
-
 
 def angle_before_nose(half: HalfLobe, passed_lift: float) -> float:
     """Angle (rad) before the nose at which a flank or its ramp passes ``passed_lift`` (m)."""

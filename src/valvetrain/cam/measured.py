@@ -85,10 +85,6 @@ class Measured:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
 
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """The exact flat form."""
-        return self._pieces
-
 
 class MeasuredModel(LiftModel):
     """Measured lifts, from a file of any known form or inline; the law behind their noise."""

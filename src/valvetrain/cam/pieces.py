@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.arrays import Array
-from valvetrain.cam.contract import TURN, LiftLaw, after, check_derivative
+from valvetrain.cam.contract import TURN, after, check_derivative
 from valvetrain.errors import InputError
 
 
@@ -65,10 +65,6 @@ class PeriodicPieces:
             total = total * step + factor * chosen[..., power]
         return total
 
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """Itself."""
-        return self
-
 
 def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
     """Ascending coefficients (pieces, 6) of the quintics with lift, first and second derivative
@@ -90,33 +86,6 @@ def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
     )
     scaled: Array = unit / np.diff(breaks)[:, None] ** np.arange(6)
     return scaled
-
-
-def tabulate(law: LiftLaw, pieces: int = 720) -> PeriodicPieces:
-    """``law`` as periodic polynomials: exact where the law is piecewise polynomial, else quintics
-    on ``pieces`` equal steps and its joints.
-
-    The quintics match lift, velocity and acceleration at every break; the error falls with the
-    sixth power of the step.
-    """
-    exact = getattr(law, "polynomial_pieces", None)
-    if exact is not None:
-        made: PeriodicPieces = exact()
-        return made
-    start = law.joints[0] if law.joints else 0.0
-    nodes = np.concatenate(
-        [np.linspace(0.0, TURN, pieces + 1), after(start, np.asarray(law.joints, dtype=float))]
-    )
-    nodes = np.sort(nodes)
-    nodes = start + nodes[np.concatenate([[True], np.diff(nodes) > 1e-9])]
-    nodes[-1] = start + TURN
-    # Where the law is not smooth enough, values are taken just inside each piece.
-    inside = 0.0 if law.continuity >= 2 else 1e-9
-    first, last = nodes[:-1] + inside * np.diff(nodes), nodes[1:] - inside * np.diff(nodes)
-    ends = [
-        np.stack([law.lift(angle, order) for order in range(3)], axis=1) for angle in (first, last)
-    ]
-    return PeriodicPieces(nodes, quintic_pieces(nodes, ends[0], ends[1]), min(law.continuity, 2))
 
 
 def pieces_of_spline(spline: Any, continuity: int) -> PeriodicPieces:

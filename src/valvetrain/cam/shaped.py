@@ -190,10 +190,6 @@ class Shaped:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
 
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """The exact flat form."""
-        return self._pieces
-
 
 def _rises_then_falls(shape: tuple[float, ...]) -> bool:
     """Whether there are four control values or more, first none below zero, then none above, and

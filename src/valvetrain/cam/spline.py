@@ -109,10 +109,6 @@ class Spline:
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
 
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """The exact flat form."""
-        return self._pieces
-
 
 class SplineModel(LiftModel):
     """A spline through a table of lifts; ``mirror_angle`` completes half a table."""
@@ -244,10 +240,6 @@ class Stations:
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return self._pieces.lift(cam_angle, derivative)
-
-    def polynomial_pieces(self) -> PeriodicPieces:
-        """The exact flat form."""
-        return self._pieces
 
 
 CamVelocities = Annotated[tuple[float, ...], quantities("cam velocity")]

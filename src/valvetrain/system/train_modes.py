@@ -48,7 +48,9 @@ class Eigen(NamedTuple):
 
 
 def eigen_at(system: TrainSystem, installed: Sequence[InstalledSpring], cam_angle: float) -> Eigen:
-    """The eigenvalue problem about rest; arguments and errors as of :func:`modes_of_train`."""
+    """The eigenvalue problem about rest at ``cam_angle`` (rad); ``installed``: the springs behind the system's models, in
+    order. Raises :class:`InputError` for a train that comes to no rest.
+    """
     lift = float(system.mechanism.kinematics.valve_lift(cam_angle))
     start = rigid_poses(system).positions(np.array([lift]))[0] if lift > 0 else None
     q = static_equilibrium(system, cam_angle, start)
@@ -70,25 +72,10 @@ def eigen_at(system: TrainSystem, installed: Sequence[InstalledSpring], cam_angl
     return Eigen(values, vectors, q, masses, springs)
 
 
-def modes_of_train(
-    system: TrainSystem,
-    installed: Sequence[InstalledSpring] = (),
-    cam_angle: float = 0.0,
-    state: str = "closed",
-    label: str = "",
-) -> TrainModes:
-    """Modes about rest at ``cam_angle`` (rad), in order of frequency; ``installed``: the springs
-    behind the system's models, in order.
-
-    Raises :class:`InputError` for a train that comes to no rest.
-    """
-    return modes_from(system, eigen_at(system, installed, cam_angle), cam_angle, state, label)
-
-
 def modes_from(
     system: TrainSystem, eigen: Eigen, cam_angle: float, state: str, label: str = ""
 ) -> TrainModes:
-    """The modes of a solved eigenvalue problem; arguments as of :func:`modes_of_train`."""
+    """The modes of the eigenvalue problem at ``cam_angle`` (rad), in order of frequency."""
     q, springs = eigen.q, eigen.springs
     count = len(q)
     pens = gap_state(system, q, cam_angle)[0]
