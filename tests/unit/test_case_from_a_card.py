@@ -49,10 +49,7 @@ def test_a_case_with_every_answer_assumes_no_card_and_each_question_has_a_value(
     if "wire" in answers:
         answers.pop("spring_mass", None)
     named = set(parse_case(card_case_text(kind, answers)).record().assumed)
-    lever = ("pivot", "drive arm", "drive angle", "valve arm", "valve angle", "holding torque")
-    lever += ("mass",) * (
-        kind != "pushrod"
-    )  # there what of it moves with the support, which no scale tells
+    lever = ("pivot", "drive arm", "drive angle", "valve angle", "holding torque")
     places = {"cam", *(f"lever {one}" for one in lever)}
     assert {name for name in named if not name.endswith("damping")} <= places
     assert all(one.meaning and one.follows for one in QUESTIONS.values())
@@ -110,11 +107,19 @@ def test_a_terminal_is_asked_and_enter_takes_what_is_in_brackets(tmp_path, monke
     }
 
 
-def test_a_measured_rocker_is_not_assumed() -> None:
-    """Its geometry stays assumed value by value."""
-    text = card_case_text("pushrod", {"rocker_inertia": "21 kg mm^2", "rocker_mass": "140 g"})
-    case = parse_case(text)
-    assert (case.train.lever.inertia, case.train.lever.mass) == pytest.approx((21e-6, 0.14))
+@pytest.mark.parametrize(("kind", "bar"), [("finger", 1.0), ("rocker", 0.766), ("pushrod", 0.766)])
+def test_a_measured_rocker_is_not_assumed_and_without_its_inertia_it_is_a_uniform_bar(kind, bar):
+    """Its geometry stays assumed value by value. A bar about its end has m b^2/3, with an arm a = b/1.6 on the
+    other side 1 - a/b + (a/b)^2 = 0.766 of it.
+    """
+    answers = {"ratio": "1.6", "rocker_mass": "140 g", "rocker_stiffness": "30 kN/mm"}
+    weighed = {**answers, "rocker_inertia": "21 kg mm^2"}
+    case = parse_case(card_case_text(kind, weighed))
+    lever = case.train.lever
+    assert (lever.inertia, lever.mass, lever.stiffness) == pytest.approx((21e-6, 0.14, 30e6))
+    assert lever.valve_arm == pytest.approx(1.6 * lever.drive_arm)
     assumed = {key for key, note in case.notes.items() if note.status == "assumed"}
-    assert "train.lever.pivot" in assumed
-    assert not assumed & {"train.lever", "train.lever.inertia", "train.lever.mass"}
+    assert {"train.lever.pivot", "train.lever.damping"} <= assumed
+    assert not assumed & {"train.lever", "train.lever.inertia", "train.lever.mass", "lift_law.rocker_ratio"}
+    lever = parse_case(card_case_text(kind, answers)).train.lever
+    assert lever.inertia == pytest.approx(bar * 0.14 * lever.valve_arm**2 / 3, rel=1e-2)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 
 from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import SEAT
+from valvetrain.findings.rules_train import FLEX, SEAT
 from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.status import Fact
@@ -55,6 +55,10 @@ def _heights(fact: Fact) -> Fields:
 
 def _buckles(fact: Fact) -> Fields:
     return {"at": Amount("compression", float(fact.fields["compression"])), **_spring(fact)}
+
+
+def _ratio(fact: Fact) -> Fields:
+    return {"ratio": f"{float(fact.fields['ratio']):.3g}"}
 
 
 def _driver(fact: Fact) -> Fields:
@@ -106,6 +110,8 @@ ASSUMED = (
          step="give them a wire: valvetrain spring-card", remark="springs by card (no clash, no stress)"),
     Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
          remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-degrees-and-heights.md"),
+    Rule("A119", "notes", "the rocker (ratio {ratio}) is rigid, so it takes no lift and no timing; a real one bends", rests_on("rigid-lever", read=_ratio),
+         FLEX, "give it a stiffness: train.lever.stiffness", remark="rigid rocker (ratio {ratio})", guide="how-to/08-flex.md"),
     Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_text("place")),
          ("mean_cam_power",), "give it friction: --set train.contacts.{place}.friction_coefficient=0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),

@@ -42,7 +42,7 @@ class Question:
         return tuple(int(part) if part.isdecimal() else part for part in self.key.split("."))
 
 
-_PUSHROD = ("pushrod",)
+_PUSHROD, _LEVER = ("pushrod",), ("finger", "rocker", "pushrod")
 #: Answer -> its question, in the order in which a person has them.
 QUESTIONS: dict[str, Question] = {
     "seat_load": Question(f"{SPRING}.preload", "FORCE", "spring force with the valve closed"),
@@ -61,7 +61,7 @@ QUESTIONS: dict[str, Question] = {
                               "tappet, or of the valve with a finger or rocker on the cam", "0.050 in"),
     "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
     "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
-    "ratio": Question("lift_law.rocker_ratio", "RATIO", "rocker ratio", kinds=_PUSHROD),
+    "ratio": Question("lift_law.rocker_ratio", "RATIO", "arm of the valve over that of cam or pushrod", kinds=_LEVER),
     "lash": Question("lift_law.lash", "LENGTH", "lash at the valve; 0 with hydraulic lifters"),
     "valve_mass": Question("train.valve.mass", "MASS", "valve, retainer and locks: '110 g + 25 g + 10 g'"),
     "lifter_mass": Question("train.follower.mass", "MASS", "lifter, or bucket with shim", kinds=("direct", "pushrod")),
@@ -69,9 +69,11 @@ QUESTIONS: dict[str, Question] = {
     "pushrod_diameter": Question("train.pushrod.outer_diameter", "LENGTH", "outer diameter of the pushrod", kinds=_PUSHROD),
     "pushrod_wall": Question("train.pushrod.wall_thickness", "LENGTH", "wall of the pushrod", kinds=_PUSHROD),
     "pushrod_mass": Question("train.pushrod.mass", "MASS", "pushrod as weighed; without it that of its tube", kinds=_PUSHROD),
-    "rocker_inertia": Question("train.lever.inertia", "INERTIA", "rocker or finger about its pivot: '30 kg mm^2'",
-                               kinds=("finger", "rocker", "pushrod")),
-    "rocker_mass": Question("train.lever.mass", "MASS", "rocker as weighed", kinds=_PUSHROD),
+    "rocker_mass": Question("train.lever.mass", "MASS", "rocker or finger as weighed; without its inertia that of a uniform bar",
+                            kinds=_LEVER),
+    "rocker_inertia": Question("train.lever.inertia", "INERTIA", "rocker or finger about its pivot: '30 kg mm^2'", kinds=_LEVER),
+    "rocker_stiffness": Question("train.lever.stiffness", "STIFFNESS", "force per bend at the valve tip: '40 kN/mm'; none: rigid, which "
+                                 "loses no lift", kinds=_LEVER),
     "red_line": Question("operation.red_line", "SPEED", "highest engine speed in use"),
 }  # fmt: skip
 

@@ -44,6 +44,9 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
             if not any(one.friction_coefficient for one in contacts_of.values()):
                 rolls = member.gear.parameters.follower.shape == "roller"
                 found.append(Fact("no-friction", {"place": "valve_tip" if rolls else "cam"}))
+            lever = member.gear.parameters.lever
+            if lever is not None and lever.stiffness is None:
+                found.append(Fact("rigid-lever", {"ratio": lever.valve_arm / lever.drive_arm}))
             ramp = getattr(member.gear.mechanism.kinematics.law, "assumed_ramp", None)
             if ramp is not None:
                 found.append(Fact("assumed-ramp", {"velocity": float(ramp)}))
