@@ -120,6 +120,11 @@ def test_a_measured_rocker_is_not_assumed_and_without_its_inertia_it_is_a_unifor
     assert lever.valve_arm == pytest.approx(1.6 * lever.drive_arm)
     assumed = {key for key, note in case.notes.items() if note.status == "assumed"}
     assert {"train.lever.pivot", "train.lever.damping"} <= assumed
-    assert not assumed & {"train.lever", "train.lever.inertia", "train.lever.mass", "lift_law.rocker_ratio"}
+    assert not assumed & {
+        "train.lever",
+        "train.lever.inertia",
+        "train.lever.mass",
+        "lift_law.rocker_ratio",
+    }
     lever = parse_case(card_case_text(kind, answers)).train.lever
     assert lever.inertia == pytest.approx(bar * 0.14 * lever.valve_arm**2 / 3, rel=1e-2)

@@ -85,6 +85,17 @@ def test_springs_are_shimmed_stiffened_and_made_lighter(springs: str) -> None:
     assert loads(trains["spring 10 % lighter"]) == pytest.approx((seat, rise), rel=1e-6)
 
 
+def test_a_rigid_rocker_may_bend_and_an_elastic_one_is_stiffened() -> None:
+    lever = replace(TRAIN.lever, stiffness=None)
+    rigid, elastic = TRAIN.replace(lever=lever), TRAIN.replace(lever=replace(lever, stiffness=30e6))
+    (bent,) = (one for one in parts_of(rigid, "stock") if not one.chosen)
+    assert (bent.train.lever.stiffness, bent.train.lever.inertia) == (40e6, lever.inertia)
+    stiffer = {
+        one.name: one.train.lever.stiffness for one in parts_of(elastic, "stock") if one.chosen
+    }
+    assert stiffer["rocker 10 % stiffer"] == pytest.approx(33e6)
+
+
 def test_pushrods_are_steel_tubes() -> None:
     tube = {"length": 7.4 * INCH, "outer_diameter": 0.3125 * INCH, "wall_thickness": 0.08 * INCH}
     pushrod = vt.parameters.train_parts.PushrodParameters(lower_end=(0.0, 0.05), **tube)
@@ -153,6 +164,13 @@ def test_findings_say_what_gains_most_and_what_is_not_known() -> None:
     assert [one.mark for one in shown.lines] == ["", "ok", "ok", "bad", "warn", ""]
     assert codes(replace(WHOLE, red_line=7300 * RPM))[0] == "W302"
     assert codes(replace(WHOLE, red_line=None))[0] == "W301"
+    bends = replace(WHOLE, lift_loss=0.16e-3, time_lost=0.07, changes=(
+        change("pushrod", 480, lift_loss=0.1e-3, time_lost=0.05), *(replace(one, lift_loss=0.16e-3) for one in WHOLE.changes[1:])
+    ))  # fmt: skip
+    (flex,) = PartsAnswer(bends).findings.by("W312")
+    assert (flex.fields["part"], flex.fields["less"].value) == ("pushrod", 0.1e-3)
+    (flex,) = PartsAnswer(replace(bends, changes=bends.changes[1:])).findings.by("W312")
+    assert not flex.fields["part"]  # the others leave it as it is
     vague = replace(WHOLE, changes=(change("pushrod", 20, 40), WHOLE.changes[-1]))
     assert codes(vague) == ("W303", "W311")
     assert PartsAnswer(vague).lines[-1].mark == "warn"  # damping decides more than any part
@@ -218,6 +236,9 @@ def test_gains_of_one_mass_are_those_of_rigid_theory(tmp_path: Path) -> None:
         wanted = rigid(case.replace(train=trains[one.part])) - own
         assert one.gain == pytest.approx(wanted, abs=5e-3 * own), one.part
     assert ranking.choices[0].gain > 0 > ranking.choices[-1].gain
+    assert all(
+        0 <= one.lift_loss < 2e-6 for one in ranking.changes if one.chosen
+    )  # its cam alone yields
     assert all(math.isnan(one.stress_change) for one in ranking.changes)  # a card has no wire
     held = vt.Case(path).parts("1000:2000:500 rpm", workers=1)
     assert held.best is None and PartsAnswer(held).verdict.code == "W304"

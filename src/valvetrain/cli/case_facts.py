@@ -61,7 +61,11 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
             places = str(contacts["places"]).replace("_", " ")
             facts.append(("", f"usual steel values at {places}"))
         if (lever := train.lever) is not None:
-            bends = "rigid" if lever.stiffness is None else f"{amount(lever.stiffness / 1e6, 'kN/mm')} at the valve tip"
+            bends = (
+                "rigid"
+                if lever.stiffness is None
+                else f"{amount(lever.stiffness / 1e6, 'kN/mm')} at the valve tip"
+            )
             facts.append(("rocker", f"ratio {lever.valve_arm / lever.drive_arm:.3g}, {bends}"))
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))

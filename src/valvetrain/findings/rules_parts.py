@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
-from valvetrain.findings.words import about, digits_text, speed_text
+from valvetrain.findings.words import Amount, about, digits_text, speed_text
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.part_ranking import PartChange, PartRanking
 
@@ -95,12 +95,26 @@ def never_held(facts: PartFacts) -> Hits:
 
 
 def unknown(facts: PartFacts) -> Hits:
-    """Damping, which nobody knows, moves control by more than the best part does."""
+    """What nobody knows, damping or a rigid rocker, moves control by more than the best part does."""
     best = facts.ranking.best
     for one in facts.ranking.changes:
         if best is not None and not one.chosen and abs(one.gain) > max(best.gain, 0.0):
             fields: Fields = {"part": one.part, "gain": gain_text(one)}
             yield Hit(fields=fields, severity=abs(one.gain))
+
+
+def flex(facts: PartFacts) -> Hits:
+    """Flex takes lift, and how much of it the stiffest part leaves."""
+    ranking = facts.ranking
+    if ranking.lift_loss > 0:
+        stiffer = [one for one in ranking.choices if one.lift_loss < LESS * ranking.lift_loss]
+        best = min(stiffer, key=lambda one: one.lift_loss, default=None)
+        fields: Fields = {
+            "time": Amount(LOST[1], ranking.time_lost), "speed": speed_text(ranking.first_engine_speed),
+            "part": "" if best is None else best.part, "gain": "" if best is None else gain_text(best),
+            "less": "" if best is None else Amount(LOST[0], best.lift_loss), "shorter": "" if best is None else Amount(LOST[1], best.time_lost),
+        }  # fmt: skip
+        yield Hit(Amount(LOST[0], ranking.lift_loss), fields=fields)
 
 
 def assumed_retainer(facts: PartFacts) -> Hits:
@@ -111,6 +125,8 @@ def assumed_retainer(facts: PartFacts) -> Hits:
 
 GAINS = "{part} gains most, {gain} rpm[ ({range})][, or {rival} (ranges overlap)]"
 REACHED = "in control to {reached} rpm[, red line {red}]"
+#: What flex takes of lift and open time, and the share of it that a part leaves at most to be called stiffer.
+LOST, LESS = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"), 0.97
 #: Where no option of a command makes the change, the case file has to.
 PUT = "put it into the case file"
 STEP = "[{put}, then ]valvetrain sweep {case}[ {set}]"
@@ -123,7 +139,9 @@ RULES = (
          step="valvetrain sweep {case} --rpm {beyond}", mark="ok"),
     Rule("W305", "decides", "no part can be ranked: not in control already at {speed}", never_held,
          step="valvetrain sweep {case}"),
-    Rule("W311", "warns", "damping, which nobody knows, moves control more than any part: {part} {gain} rpm", unknown,
+    Rule("W312", "notes", "flex takes {value:2} of lift at low speed and {time:2} of open time at {speed}[; {part} leaves {less:2} and {shorter:2}, and gains {gain} rpm]",
+         flex, guide="how-to/08-flex.md"),
+    Rule("W311", "warns", "what nobody knows moves control more than any part: {part} {gain} rpm", unknown,
          remark="nobody knows it, and it moves control more than any part"),
     Rule("A120", "notes", "a steel retainer is taken as 16 % of what moves with the valve, titanium as 44 % lighter",
          assumed_retainer, remark="share of the retainer"),

@@ -111,7 +111,7 @@ ASSUMED = (
     Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
          remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-degrees-and-heights.md"),
     Rule("A119", "notes", "the rocker (ratio {ratio}) is rigid, so it takes no lift and no timing; a real one bends", rests_on("rigid-lever", read=_ratio),
-         FLEX, "give it a stiffness: train.lever.stiffness", remark="rigid rocker (ratio {ratio})", guide="how-to/08-flex.md"),
+         FLEX, step="give it a stiffness: train.lever.stiffness", remark="rigid rocker (ratio {ratio})", guide="how-to/08-flex.md"),
     Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_text("place")),
          ("mean_cam_power",), "give it friction: --set train.contacts.{place}.friction_coefficient=0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),

@@ -287,7 +287,7 @@ RULES = (
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}[ {at}], {part}", step=LASH,
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
-         step="valvetrain study --parts {case}", guide="how-to/08-flex.md"),
+         step="stiffer pushrod or rocker: valvetrain study --parts {case}", guide="how-to/08-flex.md"),
     Rule("V102", "notes", "the valve lands at {value}[ {at}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),

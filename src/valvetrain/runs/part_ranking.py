@@ -47,7 +47,13 @@ BELOW, ABOVE = 0.94, 1.2
 RESOLUTION = 0.0015
 #: Share of the train as it is in the time of all.
 OF_BASE = 0.2
-STRESS = "open_nominal_shear_stress"
+#: Lift and open time that flex takes, and the largest stress of a wire at full lift.
+FLEX, STRESS = (
+    ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"),
+    "open_nominal_shear_stress",
+)
+#: Stiffness (N/m) and damping (N s/m) at the valve tip of a rocker that a case calls rigid, both assumed.
+BENDS = 40e6, 100.0
 #: Key of the limit of a train as it is.
 NOMINAL = ("", "")
 #: Cause and change, as those of a range of critical speeds, -> least and largest limit (rad/s).
@@ -56,12 +62,15 @@ Limits = Mapping[tuple[str, str], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Part:
-    """A train in which one part is changed: what, what that costs, the train, and what sets it on a command line."""
+    """A train in which one part is changed: what, what that costs, the train, what sets it on a command line, and whether a
+    shop can choose it.
+    """
 
     name: str
     price: str
     train: TrainParameters
     setting: str = ""
+    chosen: bool = True
 
 
 def parts_of(
@@ -107,6 +116,12 @@ def parts_of(
         if lever.stiffness is not None:
             stiff = more * lever.stiffness, "kN/mm"
             yield part("rocker 10 % stiffer", "often heavier", "lever", stiffness=stiff)
+        else:
+            bends = {"stiffness": (BENDS[0], "kN/mm"), "damping": (BENDS[1], "N s/m")}
+            bent = part(
+                f"rocker of {BENDS[0] / 1e6:g} kN/mm", "rigid in this case", "lever", **bends
+            )
+            yield replace(bent, chosen=False)
     for name, mass, stiffness in stiffer_pushrods(pushrod):
         tube = {"mass": (mass, "g"), "stiffness": (stiffness, "kN/mm")}
         yield part(name, "needs room in the head", "pushrod", **tube)
@@ -213,15 +228,17 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     base = sweep_study(request, Watch(lambda share, text: tell(OF_BASE * share, text)))
     limits = limits_of(base.critical_speeds)
     limit, first = limits[NOMINAL][0], base.engine_speeds[0]
-    problem, _, seat, stress = _prepared(request, train, first)
-    ranking = PartRanking(
-        base.record.name, base.labels[0], limit, first, base.engine_speeds[-1], seat_load=seat, red_line=base.record.red_line,
-        text=base.record.text,
-    )  # fmt: skip
-    if not 0 < limit < math.inf:
-        return ranking
+    last = base.engine_speeds[-1]
     ends = [one for pair in limits.values() for one in pair if 0 < one < math.inf]
-    first, last = BELOW * min(ends), ABOVE * max(ends)
+    if lost := 0 < limit < math.inf:
+        first, last = BELOW * min(ends), ABOVE * max(ends)
+    problem, _, numbers = _prepared(request, train, (base.engine_speeds[0], first))
+    ranking = PartRanking(
+        base.record.name, base.labels[0], limit, first, last, seat_load=numbers["preload"], red_line=base.record.red_line,
+        text=base.record.text, lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]],
+    )  # fmt: skip
+    if not lost:
+        return ranking
     kinds = tuple(
         one.kind
         for one in base.critical_speeds
@@ -229,14 +246,13 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     )  # fmt: skip
     asked = request.critical_options or CriticalOptions()
     options = replace(asked, resolution=RESOLUTION * limit, ranges=True)
-    search = Search(request, (first, last), kinds, options)
-    ranking = replace(ranking, first_engine_speed=first, last_engine_speed=last)
+    search = Search(request, base.engine_speeds[0], (first, last), kinds, options)
     parts = tuple(parts_of(train, request.spring_sets[0], largest_lift(problem)))
 
     def done(finished: int, total: int) -> None:
         tell(OF_BASE + (1 - OF_BASE) * finished / total, "parts")
 
-    shared = search, ranking, limits, stress
+    shared = search, ranking, limits, numbers[STRESS]
     changes = map_points(_changed, shared, parts, count, processes=True, tell=done)
     unknown = (
         _change(
@@ -246,36 +262,42 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
         if cause == "damping"
     )
     unknowns = tuple(replace(one, chosen=False) for one in unknown)
-    ordered = sorted(changes, key=lambda one: (bool(one.refusal), -one.gain))
+    ordered = sorted(changes, key=lambda one: (one.chosen, bool(one.refusal), -one.gain))
     return replace(ranking, changes=(*unknowns, *ordered))
 
 
 @dataclass(frozen=True)
 class Search:
-    """How changed trains are searched: between ``ends`` (rad/s), with the range of each of ``kinds`` of loss."""
+    """How changed trains are searched: between ``ends`` (rad/s), with the range of each of ``kinds`` of loss; ``slow`` (rad/s):
+    the speed at which their lift is compared.
+    """
 
     request: Parts
+    slow: float
     ends: tuple[float, float]
     kinds: tuple[str, ...]
     options: CriticalOptions
 
 
 def _prepared(
-    request: Parts, train: TrainParameters, engine_speed: float
-) -> tuple[Problem, PreparedRun, float, float]:
-    """A changed train ready to run, its seat load (N), and the largest stress (Pa) of a wire at full lift by a run at a speed
-    (rad/s), NaN of springs without a wire.
+    request: Parts, train: TrainParameters, engine_speeds: tuple[float, float]
+) -> tuple[Problem, PreparedRun, Mapping[str, float]]:
+    """A changed train ready to run, and numbers of it: seat load, the stress of a wire, the lift that flex takes at the lower
+    of two ``engine_speeds`` (rad/s) and the open time at the higher; NaN for what it does not have.
     """
     case = request.case.replace(train=train)
     problem = build(case, spring_models=request.models, spring_set=request.spring_sets).settled()
     problem.must_run()
     if not request.implausible:
-        refuse_implausible(problem, (engine_speed,))
-    (ready, *_), _ = prepare_trains(problem, (engine_speed,), PartialFailures())
+        refuse_implausible(problem, engine_speeds)
+    (ready, *_), _ = prepare_trains(problem, engine_speeds, PartialFailures())
     seat = next((one["preload"] for one in preloads((ready,)).values()), math.nan)
-    run = train_point((problem, (ready,), Plan("ends", None, False)), (0, engine_speed))
-    stresses = [one for name, one in run.quantities.items() if name.endswith(STRESS)]
-    return problem, ready, seat, max(stresses, default=math.nan)
+    plan = problem, (ready,), Plan("ends", None, False)
+    runs = [train_point(plan, (0, speed)).quantities for speed in engine_speeds]
+    stresses = [one for name, one in runs[0].items() if name.endswith(STRESS)]
+    lost = {name: run.get(name, math.nan) for name, run in zip(FLEX, runs, strict=True)}
+    flex = {name: 0.0 if value < 0 else value for name, value in lost.items()}
+    return problem, ready, {"preload": seat, STRESS: max(stresses, default=math.nan), **flex}
 
 
 def _changed(shared: tuple[Search, PartRanking, Limits, float], part: Part) -> PartChange:
@@ -284,12 +306,19 @@ def _changed(shared: tuple[Search, PartRanking, Limits, float], part: Part) -> P
     try:
         # what is unusual of a changed part is no slip of its user
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
-            problem, ready, seat, wire = _prepared(search.request, part.train, search.ends[0])
+            problem, ready, numbers = _prepared(
+                search.request, part.train, (search.slow, search.ends[0])
+            )
             found = speeds_near(problem, ready, search.options, search.ends, search.kinds)
     except ValvetrainError as error:
-        return PartChange(part.name, part.price, refusal=reason(error), setting=part.setting)
+        return PartChange(
+            part.name, part.price, refusal=reason(error), setting=part.setting, chosen=part.chosen
+        )
     change = _change(part, ranking, limits, limits_of(found))
-    return replace(change, seat_load_change=seat - ranking.seat_load, stress_change=wire - stress)
+    return replace(
+        change, seat_load_change=numbers["preload"] - ranking.seat_load, stress_change=numbers[STRESS] - stress, chosen=part.chosen,
+        lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]],
+    )  # fmt: skip
 
 
 def _change(part: Part, ranking: PartRanking, before: Limits, after: Limits) -> PartChange:

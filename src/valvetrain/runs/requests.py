@@ -102,7 +102,7 @@ class Request(Limited):
     )
     implausible: bool = option(
         read_switch,
-        "Accept values outside the plausible ranges (docs/plausible.md) instead of refusing them.",
+        "Accept values outside the plausible ranges instead of refusing them.",
         "--implausible",
         default=False,
     )

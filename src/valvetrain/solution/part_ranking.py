@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 #: Unit of each number of a change.
 UNITS = {
     "engine_speed": "rad/s", "gain": "rad/s", "least_gain": "rad/s", "largest_gain": "rad/s", "seat_load_change": "N", "stress_change": "Pa",
+    "lift_loss": "m", "time_lost": "rad",
 }  # fmt: skip
 
 
@@ -26,7 +27,8 @@ class PartChange:
     changed train is controlled, 0 where it is not at the lowest speed searched, infinite where it is at the highest.
     ``gain`` (rad/s) of that speed, and the ``least_gain`` and ``largest_gain`` that finer numerics, another spring model and
     other damping of both trains give. ``seat_load_change`` (N), and ``stress_change`` (Pa) of the wire at full lift, NaN
-    of a spring without a wire. ``chosen``: whether a shop can choose it; else it is what nobody knows.
+    of a spring without a wire. ``lift_loss`` (m, at the lowest speed in use) and ``time_lost`` (rad of the crank, above 0.050 in of
+    lift, at the lowest speed searched) are what flex takes. ``chosen``: whether a shop can choose it; else it is what nobody knows.
     ``setting``: what sets it on a command line, empty where a case file has to. ``refusal``: why the changed train cannot run,
     whose numbers are NaN then.
     """
@@ -39,6 +41,8 @@ class PartChange:
     largest_gain: float = math.nan
     seat_load_change: float = 0.0
     stress_change: float = math.nan
+    lift_loss: float = math.nan
+    time_lost: float = math.nan
     chosen: bool = True
     setting: str = ""
     refusal: str = ""
@@ -56,7 +60,7 @@ class PartRanking(Saveable):
     ``case``: its name; ``label`` of the train as it is, controlled up to ``engine_speed`` (rad/s of the crank; as in :class:`PartChange`);
     changed trains were searched from ``first_engine_speed`` to ``last_engine_speed``. ``changes``: what nobody
     knows, then the parts, the largest gain first.
-    ``seat_load`` (N); ``red_line`` (rad/s) and ``text`` of the case.
+    ``seat_load`` (N), ``lift_loss`` and ``time_lost`` as in :class:`PartChange`; ``red_line`` (rad/s) and ``text`` of the case.
 
     >>> lighter = PartChange("valve 10 % lighter", engine_speed=800.0, gain=50.0, least_gain=40.0, largest_gain=60.0)
     >>> PartRanking("own", "stock", 750.0, 500.0, 900.0, (lighter,)).best.part
@@ -72,6 +76,8 @@ class PartRanking(Saveable):
     seat_load: float = math.nan
     red_line: float | None = None
     text: str = ""
+    lift_loss: float = math.nan
+    time_lost: float = math.nan
 
     @property
     def choices(self) -> tuple[PartChange, ...]:

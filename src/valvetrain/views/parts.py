@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.rules_parts import (
+    LOST,
     RULES,
     PartFacts,
     gain_text,
@@ -52,14 +53,16 @@ class PartsAnswer(ShownByRules):
     @property
     def headings(self) -> list[str]:
         """Speed, gain with its range, and what changes with it."""
-        return ["control to, rpm", "gained", "range", "seat load", *["wire stress"] * self.stressed]
+        stress = ["wire stress"] * self.stressed
+        return ["control to, rpm", "gained", "range", "lift lost", "seat load", *stress]
 
     @property
     def lines(self) -> list[Line]:
         """The train as it is, and every change with its price."""
         load = self.words.amount(Amount("preload", self.ranking.seat_load))
         speed = reached_text(self.ranking.engine_speed, self.ranking)
-        lines = [Line("as it is", (speed, "", "", load, *[""] * self.stressed))]
+        lost = self._lost(self.ranking.lift_loss)
+        lines = [Line("as it is", (speed, "", "", lost, load, *[""] * self.stressed))]
         return [*lines, *map(self._line, self.ranking.changes)]
 
     def _line(self, change: PartChange) -> Line:
@@ -72,10 +75,14 @@ class PartsAnswer(ShownByRules):
         price = doubts[0].remark if doubts else price
         stress = self._signed("peak_shear_stress", change.stress_change)
         cells = (
-            reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change),
+            reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change), self._lost(change.lift_loss),
             self._signed("preload", change.seat_load_change), *[stress] * self.stressed,
         )  # fmt: skip
         return Line(change.part, cells, mark, price)
+
+    def _lost(self, value: float) -> str:
+        """Lift (m) that flex takes; empty where it is unknown."""
+        return self.words.fill("[{lost:2}]", {"lost": Amount(LOST[0], value)} if value >= 0 else {})
 
     def _signed(self, name: str, value: float) -> str:
         """A change with its sign; empty for none."""
