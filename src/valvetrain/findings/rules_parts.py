@@ -127,6 +127,10 @@ GAINS = "{part} gains most, {gain} rpm[ ({range})][, or {rival} (ranges overlap)
 REACHED = "in control to {reached} rpm[, red line {red}]"
 #: What flex takes of lift and open time, and the share of it that a part leaves at most to be called stiffer.
 LOST, LESS = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"), 0.97
+FLEXES = (
+    "flex takes {value:2} of lift at low speed and {time:2} of open time at {speed}"
+    "[; {part} leaves {less:2} and {shorter:2}, and gains {gain} rpm]"
+)
 #: Where no option of a command makes the change, the case file has to.
 PUT = "put it into the case file"
 STEP = "[{put}, then ]valvetrain sweep {case}[ {set}]"
@@ -139,7 +143,7 @@ RULES = (
          step="valvetrain sweep {case} --rpm {beyond}", mark="ok"),
     Rule("W305", "decides", "no part can be ranked: not in control already at {speed}", never_held,
          step="valvetrain sweep {case}"),
-    Rule("W312", "notes", "flex takes {value:2} of lift at low speed and {time:2} of open time at {speed}[; {part} leaves {less:2} and {shorter:2}, and gains {gain} rpm]",
+    Rule("W312", "notes", FLEXES,
          flex, guide="how-to/08-flex.md"),
     Rule("W311", "warns", "what nobody knows moves control more than any part: {part} {gain} rpm", unknown,
          remark="nobody knows it, and it moves control more than any part"),
