@@ -14,8 +14,8 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import LEVELS
-from valvetrain.findings.facts import TURN, Facts, cam_angles, open_mask, over_turn
-from valvetrain.findings.rules_train import CAUSES, lobe_part
+from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
+from valvetrain.findings.rules_train import CAUSES, hardest, lobe_part
 from valvetrain.findings.table import explain, findings_of, rules
 from valvetrain.findings.words import RPM, Amount, Phrase, Words, digits_text
 from valvetrain.solution.definition import is_defined
@@ -147,22 +147,28 @@ def test_parts_of_a_lobe_are_those_of_its_lift():
         at: lobe_part(facts, run, at) for at in (sum(law) / 2, nose + 0.1, nose + math.pi, flank)
     }
     assert list(parts.values()) == [
-        "the closing ramp", "the closing side of the nose", "the base circle", "the opening flank",
+        "the closing ramp", "the nose", "the base circle", "the opening flank",
     ]  # fmt: skip
 
 
-def test_a_peak_between_samples_is_written_in_the_picture():
-    (run,) = study("flies").solutions
-    drawn = max(over_turn(run, "cam_contact_force")[open_mask(run)])
-    peak = run.quantities["peak_open_cam_contact_force"]
-    texts = [
-        one.text
-        for one in Answer(study("flies"))
-        .figures()["control"]
-        .make(Facts(study("flies")))
-        .layout.annotations
-    ]
-    assert any("between samples" in one for one in texts) == (peak > 1.02 * drawn)
+def test_the_largest_force_on_the_cam_is_in_row_and_picture_with_its_place():
+    facts, answer = Facts(study("flies")), Answer(study("flies"))
+    (run,) = facts.runs
+    peak, force = run.quantities["peak_cam_contact_force"], over_turn(run, "cam_contact_force")
+    at = math.degrees(cam_angles(run)[np.argmax(force)])
+    assert peak >= force.max()
+    row, place = (
+        next(one for one in answer.lines if one.label == name) for name in ("on the cam", "most at")
+    )
+    (cell,) = row.cells
+    assert cell == Words(brief=True).span(
+        *(facts.amount(run, f"{one}_cam_contact_force") for one in ("minimum", "peak"))
+    )
+    assert place.cells == (hardest(facts, run),) and place.cells[0].endswith(f" {at:.0f}")
+    figure = answer.figures()["control"].make(facts)
+    drawn = figure.layout.yaxis.range[1]
+    texts = [one.text for one in figure.layout.annotations]
+    assert any(place.cells[0] in one for one in texts) == (peak > min(drawn, 1.02 * force.max()))
 
 
 def test_a_run_up_loses_the_cam_or_keeps_it():

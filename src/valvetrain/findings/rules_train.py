@@ -6,10 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule, above, below, per_run
-from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
+from valvetrain.findings.facts import LOST, TURN, Facts, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
 from valvetrain.quantities.loss_cause import FLIGHT, float_and_losses, leading_loss
 from valvetrain.solution.result import Solution
@@ -22,8 +20,8 @@ FLOAT = 50e-6
 BARELY, SCARCE = 0.2, 0.05
 #: Said of a run that keeps contact by a little force, and of a loss that is no flight.
 NEAR, LIMIT = "near its limit", "at its limit"
-#: Half the cam angle (rad) over which the curvature of the lift is looked at.
-CHORD = math.radians(2)
+#: Cam angle (rad) around a landing in which the force is that of the landing.
+AROUND = math.radians(3)
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
 SMOOTH, NEAR_PISTON = 0.52, 1e-3
 #: Why contact is lost: cause of an event -> what a verdict says.
@@ -68,22 +66,41 @@ def loss_of(facts: Facts, run: Solution, events: Sequence[Event]) -> Hit | None:
 
 
 def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
-    """The part of the lobe under rigid parts at a cam angle (rad): a ramp, a flank, the nose or the base circle; without
-    channels only the closing ramp is told. Empty where neither is known.
+    """The part of the lobe under rigid parts at a cam angle (rad): a ramp, a flank, the nose or the base circle; of a run
+    without them the closing ramp alone. Empty where neither is known.
     """
-    begin, end = (facts.value(run, f"closing_ramp_{one}_cam_angle") for one in ("begin", "end"))
-    if (cam_angle - begin) % TURN <= (end - begin) % TURN:
+
+    def within(begin: str, end: str) -> bool:
+        first, last = (facts.value(run, f"{one}_cam_angle") for one in (begin, end))
+        return (cam_angle - first) % TURN <= (last - first) % TURN
+
+    if within("closing_ramp_begin", "closing_ramp_end"):
         return "the closing ramp"
-    if not run.has("rigid_valve_lift"):
+    if within("rigid_nose_begin", "rigid_nose_end"):
+        return "the nose"
+    if within("rigid_valve_lash_opening", "rigid_nose_begin"):
+        return "the opening flank"
+    if within("rigid_nose_end", "rigid_valve_lash_closing"):
+        return "the closing flank"
+    return "the base circle" if within("rigid_nose_end", "rigid_nose_begin") else ""
+
+
+def hardest(facts: Facts, run: Solution) -> str:
+    """Where on the cam its largest force acts: part of the lobe, or ``landing`` after a flight, and the cam angle (deg)."""
+    angle = facts.value(run, "peak_cam_contact_force_cam_angle")
+    if not math.isfinite(angle):
         return ""
-    lift, angles = over_turn(run, "rigid_valve_lift"), cam_angles(run)
-    before, here, after = np.interp(
-        cam_angle + np.array([-1, 0, 1]) * CHORD, angles, lift, period=TURN
-    )
-    if here <= 0:
-        return "the base circle"
-    side = "closing" if after < before else "opening"
-    return f"the {side} {'side of the nose' if before + after < 2 * here else 'flank'}"
+    landings = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
+    after = ((angle - float(one) + AROUND) % TURN for one in landings if one is not None)
+    lands = any(one <= 2 * AROUND for one in after)
+    part = "landing" if lands else lobe_part(facts, run, angle).removeprefix("the ")
+    return f"{part} {math.degrees(angle):.0f}".strip()
+
+
+def resolved_part(facts: Facts, run: Solution) -> str | Amount:
+    """The force on the cam at the nose, where its largest one is not resolved."""
+    most, nose = (facts.amount(run, f"{one}_cam_contact_force") for one in ("peak", "nose"))
+    return nose if most and nose and nose.resolved and not most.resolved else ""
 
 
 @per_run

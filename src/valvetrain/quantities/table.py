@@ -286,6 +286,8 @@ RUNS: tuple[QuantityRow, ...] = (
 TRAINS: tuple[QuantityRow, ...] = (
     train("peak_{place}_contact_force", "peak {place} contact force",
         "Largest force of the {place} contact over every step, impacts at seating and at taking up the lash included.", sense=LESS),
+    train("peak_cam_contact_force_cam_angle", "peak cam contact force, cam angle",
+        "Cam angle of the peak cam contact force: of the sample with the largest one."),
     train("peak_open_{place}_contact_force", "peak {place} contact force while open",
         "Largest sampled force of the {place} contact while the valve is open.", sense=LESS),
     train("minimum_{place}_contact_force", "minimum {place} contact force while open",
@@ -460,6 +462,8 @@ SWEEP: tuple[QuantityRow, ...] = (
         sense=MORE, topic=CONTROL, uses=("sweep", "case")),
     train("rigid_contact_loss_cam_angle", "contact-loss speed, rigid parts, cam angle",
         "Cam angle at which rigid theory first loses a contact."),
+    train("rigid_nose_begin_cam_angle", "begin of the nose", "Cam angle from which the valve of rigid parts is slowed over the nose."),
+    train("rigid_nose_end_cam_angle", "end of the nose", "Cam angle up to which the valve of rigid parts is slowed over the nose."),
     train("closing_ramp_begin_cam_angle", "begin of the closing ramp", "Cam angle at which the closing lift law comes down to its ramp."),
     train("closing_ramp_end_cam_angle", "end of the closing ramp", "Cam angle at which the closing lift law comes to rest."),
 )  # fmt: skip

@@ -67,11 +67,14 @@ def train_quantities(
             values[f"minimum_{name}"] = _number(solution, f"least_{name}", float(np.min(force)))
             values[f"peak_open_{name}"] = _number(solution, f"open_{name}", float(np.max(force)))
     if solution.has("cam_contact_force"):
-        values["nose_cam_contact_force"] = _number(
-            solution,
-            "nose_cam_contact_force",
-            ring_value(solution.cam_angle, solution.channel("cam_contact_force"), rigid.nose),
-        )
+        angle, force = solution.cam_angle, solution.channel("cam_contact_force")
+        nose = ring_value(angle, force, rigid.nose)
+        values["nose_cam_contact_force"] = _number(solution, "nose_cam_contact_force", nose)
+        values["peak_cam_contact_force_cam_angle"] = float(angle[int(np.argmax(force))]) % TURN
+    for begin, end in spans_above(solution.cam_angle, -rigid.valve_acceleration):
+        if (rigid.nose - begin) % TURN <= end - begin:
+            nose_ends = ("rigid_nose_begin_cam_angle", begin), ("rigid_nose_end_cam_angle", end)
+            values |= {name: at % TURN for name, at in nose_ends}
     if solution.has("lever_speed"):
         rate = np.abs(solution.channel("lever_speed"))
         fastest = _number(

@@ -12,8 +12,9 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.arrays import Array
-from valvetrain.findings.facts import TURN, Facts, open_mask, over_turn
-from valvetrain.findings.words import RPM, speed_text
+from valvetrain.findings.facts import TURN, Facts, over_turn
+from valvetrain.findings.rules_train import hardest
+from valvetrain.findings.words import RPM, Words, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.views.style import (
@@ -91,10 +92,12 @@ def control(facts: Facts) -> go.Figure | None:
             more = line(degrees(one), other, one.label, OTHER, "dot", visible="legendonly")
             fig.add_trace(more, 1, 1)
     fig.add_trace(line(angle, force, f"on the cam, {run.label}", LEAD), 1, 1)
-    opened = np.where(open_mask(run), force, 0.0)
-    peak = run.quantities.get("peak_open_cam_contact_force", 0.0)
-    if peak > (1 + BETWEEN) * opened.max():
-        at, text = angle[int(np.argmax(opened))], f"{peak:.0f} N between samples"
+    peak = facts.amount(run, "peak_cam_contact_force")
+    if peak is not None and peak.value > min(top, (1 + BETWEEN) * force.max()):
+        at, text = (
+            angle[int(np.argmax(force))],
+            f"most {Words(brief=True).amount(peak)}, {hardest(facts, run)}°",
+        )
         fig.add_annotation(  # below the words of a loss and of a landing
             x=at, y=1 - 2 * WORD, yref="y domain", text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1,
         )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from valvetrain.findings.rules_sweep import (
     pair,
     reached,
 )
-from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON
+from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest, resolved_part
 from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
@@ -94,10 +94,11 @@ class Row:
 
 #: Stress amplitudes that wires bear without end.
 ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
-CAM = "{minimum_cam_contact_force..peak_%scam_contact_force}"
 SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
-    Row("on the cam", (CAM % "open_", CAM % ""), "valve open, at every step", "train"),
+    Row("on the cam", ("{minimum_cam_contact_force..peak_cam_contact_force}",), "least while open to most of the cycle", "train"),
+    Row("most at", ("{hardest}",), "cam deg of the most on the cam", "train"),
+    Row("at the nose", ("{resolved_part}",), "the part of the force on the cam that is resolved", "train"),
     Row("off the cam", ("[{loft_gap}][, {loft_duration}]",), of="train"),
     Row("above its path", ("[{float_excess_lift}]",), of="train", limit=Limit("float_excess_lift", FLOAT)),
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
@@ -116,13 +117,20 @@ ROWS = (
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
     Row("inner wire, shear", ("{inner_minimum_shear_stress..inner_peak_shear_stress}",), "least to most"),
-    Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
+    Row("valve open", ("{valve_50_thou_open_crank_angle_range..valve_1_mm_open_crank_angle_range}",), "above 0.050 in and 1 mm of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
     Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
     Row("first mode", ("{surge_frequency}",), "of the wire at rest", "spring"),
     Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
 )  # fmt: skip
+
+
+#: Fields of rows that are no quantity.
+SAID: dict[str, Callable[[Facts, Solution], str | Amount]] = {
+    "hardest": hardest,
+    "resolved_part": resolved_part,
+}
 
 
 def columns(facts: Facts, findings: Findings) -> list[Solution]:
@@ -210,6 +218,8 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         limit = "" if mark or row.limit is None else row.limit.kept(facts, runs[-1], brief)
         if limit:
             mark, remark = "ok", ", ".join(filter(None, (remark, limit)))
+        if mark == "ok" and not limit and _doubtful(row, facts, runs):
+            mark = ""
         lines.append(Line(row.label, cells, mark, remark))
     return lines
 
@@ -244,12 +254,22 @@ def _added_rows() -> Iterator[Row]:
                 yield Row(one.label, (f"{{{one.name}}}",), of=of)
 
 
+def _doubtful(row: Row, facts: Facts, runs: list[Solution]) -> bool:
+    """Whether a number of the row is not resolved."""
+    amounts = (facts.amount(run, name) for run in runs for name in row.reads)
+    return any(one is not None and not one.resolved for one in amounts)
+
+
 def _cells(row: Row, facts: Facts, runs: list[Solution], words: Words) -> tuple[str, ...]:
     """A row of all runs by the template that most of them can fill, so that all cells say the same; empty where numbers
     are missing.
     """
     names = {
-        id(run): {name: one for name in row.reads if (one := facts.amount(run, name))}
+        id(run): {
+            name: one
+            for name in row.reads
+            if (one := SAID[name](facts, run) if name in SAID else facts.amount(run, name))
+        }
         for run in runs
     }
     rows = [tuple(_filled(text, names[id(run)], words) for run in runs) for text in row.texts]

@@ -35,7 +35,7 @@ from valvetrain.views.table import TextTable
 GOOD = 0.05
 #: Heading -> template of a cell, of a train and of a spring alone.
 CELLS = {
-    True: {"left on the cam": "{minimum_cam_contact_force}", "off the cam": "[{loft_gap}]",
+    True: {"on the cam": "{minimum_cam_contact_force..peak_cam_contact_force}", "off the cam": "[{loft_gap}]",
            "spring": "{minimum_spring_force..peak_spring_force}", "surge": "{surge_amplitude_force}"},
     False: {"on the retainer": "{minimum_retainer_force..peak_retainer_force}", "surge": "{surge_amplitude_force}",
             "coil on coil": "{surge_clash_peak_force}", "first mode": "{surge_frequency}"},
