@@ -233,7 +233,13 @@ class Words:
         """``436 to 1960 N``: two numbers with their unit once, and which of them is not resolved."""
         if not (least.resolved and most.resolved):
             low, high = (one.resolved and self.amount(one, digits) for one in (least, most))
-            return f"up to {high}" if high else f"{low} to not resolved" if low else "not resolved"
+            return (
+                f"up to {high}"
+                if high
+                else f"from {low}, most not resolved"
+                if low
+                else "not resolved"
+            )
         unit = self.unit(most.name, most.value)
         low, high = (self.number(one, unit, digits) for one in (least, most))
         return f"{low if low == high else f'{low} to {high}'} {unit.text}".strip()

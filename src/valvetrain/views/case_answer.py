@@ -18,7 +18,6 @@ from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.springs_at_rest import TOGETHER
 from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
-from valvetrain.quantities.valve_events import HEIGHTS, rigid_events
 from valvetrain.solution.definition import is_defined, label_of
 from valvetrain.solution.static import RestPoint
 from valvetrain.views.at_rest import bind_line
@@ -27,6 +26,8 @@ from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
+#: Heights (m) above which the open time is a row, the first that is known.
+OPEN = 1.27e-3
 #: Spring -> its states closed and at full lift, or why it has none.
 Loads = Mapping[str, "tuple[RestPoint, RestPoint] | str"]
 
@@ -101,34 +102,20 @@ class CaseAnswer(ShownByRules):
         texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
         ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
         texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
-        of = "lobe" if driven else "valve" if gear else "spring" if case.springs else "this"
-        wide = [Amount(f"valve_{word}_open_crank_angle_range", one) for word, one in self._open()]
-        texts.append(("open", self.words.span(*wide) if wide else "", f"above 0.050 in and 1 mm of {of} lift"))  # fmt: skip
+        at = next((one for one in self.durations if math.isclose(one, OPEN, rel_tol=1e-3)), None)
+        if at is not None:
+            wide = Amount("valve_50_thou_open_crank_angle_range", self.durations[at])
+            texts.append(
+                (
+                    "open",
+                    self.words.amount(wide),
+                    f"above 0.050 in of {'lobe' if driven else 'valve' if gear else 'spring' if case.springs else 'this'} lift",
+                )
+            )
         speeds = case.operation.engine_speeds
         reach = [speed_text(one) for one in (speeds[:1] if len(speeds) == 1 else (min(speeds, default=0), max(speeds, default=0)))]  # fmt: skip
         texts.append(("engine speed", " to ".join(reach) if speeds else "", ""))
         return [self._line(*one) for one in texts if any(one[1])]
-
-    def _open(self) -> list[tuple[str, float]]:
-        """Crank angle (rad) above 0.050 in and 1 mm: of the valve under lash as a run has it, else of the lift law."""
-        gear, words = self.facts.gear, tuple(HEIGHTS)[::-1]
-        if gear is not None and gear.mechanism.kinematics.law_of != "drive":
-            rigid = rigid_events(gear.mechanism.kinematics)
-            every = {
-                word: rigid.get(f"rigid_valve_{word}_open_crank_angle_range") for word in words
-            }
-        else:
-            lifts = {
-                word: [
-                    angle
-                    for lift, angle in self.durations.items()
-                    if math.isclose(lift, HEIGHTS[word], rel_tol=1e-3)
-                ]
-                for word in words
-            }
-            every = {word: angles[0] if angles else None for word, angles in lifts.items()}
-        known = [(word, angle) for word, angle in every.items() if angle is not None]
-        return known if len(known) == len(words) else []
 
     def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
         if isinstance(cells, str):

@@ -96,9 +96,9 @@ class Row:
 ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
 SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
-    Row("on the cam", ("{minimum_cam_contact_force..peak_cam_contact_force}",), "least while open to most of the cycle", "train"),
-    Row("most at", ("{hardest}",), "cam deg of the most on the cam", "train"),
-    Row("at the nose", ("{resolved_part}",), "the part of the force on the cam that is resolved", "train"),
+    Row("on the cam", ("{minimum_cam_contact_force..peak_cam_contact_force}",), "least while open, most of all", "train"),
+    Row("most at", ("{hardest}",), "cam deg of the most", "train"),
+    Row("at the nose", ("{resolved_part}",), "cam force where the most is not resolved", "train"),
     Row("off the cam", ("[{loft_gap}][, {loft_duration}]",), of="train"),
     Row("above its path", ("[{float_excess_lift}]",), of="train", limit=Limit("float_excess_lift", FLOAT)),
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
@@ -117,7 +117,7 @@ ROWS = (
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
     Row("inner wire, shear", ("{inner_minimum_shear_stress..inner_peak_shear_stress}",), "least to most"),
-    Row("valve open", ("{valve_50_thou_open_crank_angle_range..valve_1_mm_open_crank_angle_range}",), "above 0.050 in and 1 mm of valve lift", "train"),
+    Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
     Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
