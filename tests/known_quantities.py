@@ -378,6 +378,7 @@ def moving_train() -> Known:
         np.where(open_part, 350.0, 700.0)
         + np.where(degrees(178, 182), 33.0, 0.0)
         - np.where(degrees(200, 202), 90.0, 0.0)
+        + np.where(degrees(300, 301), 50.0, 0.0)
     )
     tip = (
         np.where(open_part, 210.0, 5.0)
@@ -432,6 +433,9 @@ def moving_train() -> Known:
         "minimum_cam_contact_force": 260.0,
         "peak_open_cam_contact_force": 383.0,
         "nose_cam_contact_force": 383.0,
+        "peak_cam_contact_force_cam_angle": (300 * DEG, 0.5 * DEG),
+        "rigid_nose_begin_cam_angle": (135 * DEG, 0.5 * DEG),
+        "rigid_nose_end_cam_angle": (225 * DEG, 0.5 * DEG),
         "minimum_valve_tip_contact_force": 177.0,
         "peak_open_valve_tip_contact_force": 254.0,
         "peak_lever_speed": 12.0,

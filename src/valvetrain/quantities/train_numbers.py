@@ -71,7 +71,8 @@ def train_quantities(
         nose = ring_value(angle, force, rigid.nose)
         values["nose_cam_contact_force"] = _number(solution, "nose_cam_contact_force", nose)
         values["peak_cam_contact_force_cam_angle"] = float(angle[int(np.argmax(force))]) % TURN
-    for begin, end in spans_above(solution.cam_angle, -rigid.valve_acceleration):
+    slowed = -rigid.valve_acceleration  # zero at the nose of some laws, which does not end there
+    for begin, end in spans_above(solution.cam_angle, slowed, -1e-3 * float(slowed.max())):
         if (rigid.nose - begin) % TURN <= end - begin:
             nose_ends = ("rigid_nose_begin_cam_angle", begin), ("rigid_nose_end_cam_angle", end)
             values |= {name: at % TURN for name, at in nose_ends}
