@@ -93,7 +93,8 @@ def hardest(facts: Facts, run: Solution) -> str:
     landings = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
     after = ((angle - float(one) + AROUND) % TURN for one in landings if one is not None)
     lands = any(one <= 2 * AROUND for one in after)
-    part = "landing" if lands else lobe_part(facts, run, angle).removeprefix("the ")
+    part = "landing" if lands else lobe_part(facts, run, angle)
+    part = part.removeprefix("the ").removesuffix(" flank")
     return f"{part} {math.degrees(angle):.0f}".strip()
 
 
