@@ -243,7 +243,7 @@ def impact_oscillator() -> list[Row]:
     def text(damping: float, drive: float, gap: float, restitution: float) -> str:
         return f"damping {damping:g}, drive {drive:g} of the natural frequency, gap {gap:g}, restitution {restitution:g}"
 
-    for numbers in ((0.05, 2.0, 0.1, 0.6), (0.02, 2.6, 0.0, 0.8)):
+    for numbers, share in (((0.05, 2.0, 0.1, 0.6), 0.004), ((0.02, 2.6, 0.0, 0.8), 0.01)):
         built, speed, impact = oscillator(*numbers)
         size = abs(impact[1]) / built.natural / 3
         known = built.known_multipliers(impact, speed)
@@ -262,8 +262,8 @@ def impact_oscillator() -> list[Row]:
             text(*numbers),
             (known[0].real, found.multipliers[0].real),
             "-",
-            0.01 * abs(known[0]),
-            "required: 1 %",
+            share * abs(known[0]),
+            f"{100 * share:g} %; required: 1 %",
         )
         product = numbers[3] ** 2 * math.exp(-2 * numbers[0] * built.natural * TURN / speed)
         row(
