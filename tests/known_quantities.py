@@ -26,6 +26,7 @@ from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
 from valvetrain.quantities.statics import design_quantities, rest_quantities
+from valvetrain.quantities.valve_events import nose_ends
 from valvetrain.runs.critical_scan import Scan, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
 from valvetrain.solution.critical import KINDS
@@ -357,11 +358,14 @@ def rigid_train() -> Known:
     lift, bend = LAW.lift(angle), LAW.lift(angle, 2)
     risky = (bend < 0) & (lift > 0)
     squares = (300.0 + 30e3 * lift[risky] - weight) / (-mass * bend[risky])
-    found = rigid_quantities(rigid_motion(system(direct())))
-    return found, {
+    motion = rigid_motion(system(direct()))
+    begin, end = angle[risky][[0, -1]]
+    return rigid_quantities(motion) | nose_ends(motion), {
         "rigid_contact_loss_engine_speed": 2 * np.sqrt(squares.min()),
         "rigid_maximum_valve_lift": 5e-3,
         "rigid_contact_loss_cam_angle": (angle[risky][np.argmin(squares)], 1e-4),
+        "rigid_nose_begin_cam_angle": (begin, 1e-3),
+        "rigid_nose_end_cam_angle": (end, 1e-3),
     }
 
 
@@ -434,8 +438,6 @@ def moving_train() -> Known:
         "peak_open_cam_contact_force": 383.0,
         "nose_cam_contact_force": 383.0,
         "peak_cam_contact_force_cam_angle": (300 * DEG, 0.5 * DEG),
-        "rigid_nose_begin_cam_angle": (135 * DEG, 0.5 * DEG),
-        "rigid_nose_end_cam_angle": (225 * DEG, 0.5 * DEG),
         "minimum_valve_tip_contact_force": 177.0,
         "peak_open_valve_tip_contact_force": 254.0,
         "peak_lever_speed": 12.0,
@@ -497,7 +499,7 @@ def train_on_every_step() -> Known:
         "raw_peak_spring_force_duration": 8e-6, "raw_peak_retainer_force_duration": 9e-6,
         "peak_spring_force_cam_angle": 1.25, "minimum_spring_force_cam_angle": 1.5, "peak_valve_acceleration": 9e3,
         "peak_valve_lift": 8.001e-3, "peak_cam_torque": 21.0, "minimum_cam_torque": -13.0, "peak_lever_speed": 31.0,
-        "nose_cam_contact_force": 511.0,
+        "nose_cam_contact_force": 511.0, "peak_cam_contact_force_cam_angle": 1.9,
     }  # fmt: skip
     places = {"cam": (0.0, 811.0), "valve_tip": (32.0, 812.0)}
     statistics = seen | {"peak_lever_speed_cam_angle": 120 * DEG, "contacts_logged_ratio": 1.0}

@@ -89,7 +89,7 @@ def orbit(bouncer: Bouncer, cam_speed: float, start: Array, size: float) -> Orbi
         slopes = np.array(
             [(cycle(state + step) - cycle(state - step)) / (0.02 * scale) for step in steps]
         ).T
-        if np.max(np.abs(left)) < 5e-5:  # the map jumps by 3e-5 where an impact passes over a step
+        if np.max(np.abs(left)) < 2e-5:
             found = multipliers(cycle, state, np.eye(2), disturbance=DISTURBANCE * scale)
             return Orbit(state / weights, slopes, found)
         state = state - np.linalg.solve(slopes - np.eye(2), left * scale)

@@ -298,3 +298,5 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
     for name in names:
         coarse, fine = (one[name] for one in found)
         assert coarse == pytest.approx(fine, rel=1e-3, abs=1e-9), name
+    places = [one["peak_cam_contact_force_cam_angle"] for one in found]
+    assert places[0] == places[1]

@@ -257,6 +257,9 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
                 f"{name}_peak_spring_force": record.force_peak(f"{side}_seat").below,
                 f"{name}_minimum_spring_force": loads[f"{side}_seat"][2],
             }
+    if mechanism.cam is not None:
+        at = float(record.peak_force_cam_angles[mechanism.cam])
+        found["peak_cam_contact_force_cam_angle"] = at % turn
     found |= {"peak_cam_torque": loads["torque"][0], "minimum_cam_torque": loads["torque"][2]}
     valve = record.bodies[mechanism.index(mechanism.valve)]
     found |= {

@@ -287,7 +287,7 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("peak_{place}_contact_force", "peak {place} contact force",
         "Largest force of the {place} contact over every step, impacts at seating and at taking up the lash included.", sense=LESS),
     train("peak_cam_contact_force_cam_angle", "peak cam contact force, cam angle",
-        "Cam angle of the peak cam contact force: of the sample with the largest one."),
+        "Cam angle of the peak cam contact force, of all steps."),
     train("peak_open_{place}_contact_force", "peak {place} contact force while open",
         "Largest sampled force of the {place} contact while the valve is open.", sense=LESS),
     train("minimum_{place}_contact_force", "minimum {place} contact force while open",

@@ -70,12 +70,8 @@ def train_quantities(
         angle, force = solution.cam_angle, solution.channel("cam_contact_force")
         nose = ring_value(angle, force, rigid.nose)
         values["nose_cam_contact_force"] = _number(solution, "nose_cam_contact_force", nose)
-        values["peak_cam_contact_force_cam_angle"] = float(angle[int(np.argmax(force))]) % TURN
-    slowed = -rigid.valve_acceleration  # zero at the nose of some laws, which does not end there
-    for begin, end in spans_above(solution.cam_angle, slowed, -1e-3 * float(slowed.max())):
-        if (rigid.nose - begin) % TURN <= end - begin:
-            nose_ends = ("rigid_nose_begin_cam_angle", begin), ("rigid_nose_end_cam_angle", end)
-            values |= {name: at % TURN for name, at in nose_ends}
+        most = "peak_cam_contact_force_cam_angle"
+        values[most] = _number(solution, most, float(angle[int(np.argmax(force))])) % TURN
     if solution.has("lever_speed"):
         rate = np.abs(solution.channel("lever_speed"))
         fastest = _number(

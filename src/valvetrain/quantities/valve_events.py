@@ -16,8 +16,9 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.pieces import solve
 from valvetrain.measured.cam_events import against_dead_centre
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
-from valvetrain.quantities.kinematics import RigidTable
+from valvetrain.quantities.kinematics import RigidMotion, RigidTable
 from valvetrain.quantities.signal import ring_peak
+from valvetrain.quantities.train_events import spans_above
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 
@@ -129,6 +130,18 @@ def closing_ramp(law: LiftLaw) -> dict[str, float]:
     ends = [lift_crossings(law.lift, one) for one in (height, 0.0)] if height > 0 else []
     names = ("closing_ramp_begin_cam_angle", "closing_ramp_end_cam_angle")
     return {name: one[1] % _TURN for name, one in zip(names, ends, strict=False) if one}
+
+
+def nose_ends(motion: RigidMotion) -> dict[str, float]:
+    """Cam angles (rad) between which the valve of rigid parts is slowed over the nose."""
+    angle, slowed = motion.cam_angle, -motion.derivatives[2]
+    nose = float(angle[int(np.argmax(motion.derivatives[0]))])
+    # some laws have no acceleration at full lift, where the nose does not end
+    for begin, end in spans_above(angle, slowed, -1e-3 * float(slowed.max())):
+        if (nose - begin) % _TURN <= end - begin:
+            names = ("rigid_nose_begin_cam_angle", "rigid_nose_end_cam_angle")
+            return dict(zip(names, (begin % _TURN, end % _TURN), strict=True))
+    return {}
 
 
 def run_events(

@@ -15,7 +15,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.quantities.kinematics import rigid_quantities
-from valvetrain.quantities.valve_events import closing_ramp, rigid_events
+from valvetrain.quantities.valve_events import closing_ramp, nose_ends, rigid_events
 from valvetrain.runs.critical_causes import without_false_surge
 from valvetrain.runs.prepared import (
     Plan,
@@ -225,6 +225,7 @@ def rigid_numbers(
             rigid_quantities(one.motion)
             | rigid_events(one.motion.kinematics)
             | closing_ramp(one.motion.kinematics.law)
+            | nose_ends(one.motion)
         )
         surge = one.frame.surge_frequency
         if surge is not None and engine_speeds:
