@@ -41,6 +41,8 @@ SPANS = 3
 TURN = 2 * math.pi
 #: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
 AHEAD, SHUT = 0.02, 0.003
+#: Cam angle (rad) around the end of a flight in which a force is that of its blow.
+AROUND = math.radians(3)
 
 
 class Facts:
@@ -109,8 +111,16 @@ class Facts:
         bar, ends = (0.0, None) if row is None else (row.numerical, row.contact_range)
         if ends is not None:
             return Amount(name, value, max(bar, value - ends.low, ends.high - value))
-        open_ = value != 0 and OF_CONTACT.search(name) is not None
-        return Amount(name, value, bar, CONSTANTS if open_ else "")
+        blow = OF_CONTACT.search(name) or (name == "peak_cam_contact_force" and self.struck(run))
+        return Amount(name, value, bar, CONSTANTS if value != 0 and blow else "")
+
+    def struck(self, run: Solution) -> bool:
+        """Whether the largest force on the cam is the blow with which a flight ends."""
+        angle = self.value(run, "peak_cam_contact_force_cam_angle")
+        ends = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
+        return any(
+            (angle - float(one) + AROUND) % TURN <= 2 * AROUND for one in ends if one is not None
+        )
 
     def amounts(
         self, name: str, runs: Iterable[Solution] | None = None

@@ -20,8 +20,6 @@ FLOAT = 50e-6
 BARELY, SCARCE = 0.2, 0.05
 #: Said of a run that keeps contact by a little force, and of a loss that is no flight.
 NEAR, LIMIT = "near its limit", "at its limit"
-#: Cam angle (rad) around a landing in which the force is that of the landing.
-AROUND = math.radians(3)
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
 SMOOTH, NEAR_PISTON = 0.52, 1e-3
 #: Why contact is lost: cause of an event -> what a verdict says.
@@ -90,18 +88,15 @@ def hardest(facts: Facts, run: Solution) -> str:
     angle = facts.value(run, "peak_cam_contact_force_cam_angle")
     if not math.isfinite(angle):
         return ""
-    landings = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
-    after = ((angle - float(one) + AROUND) % TURN for one in landings if one is not None)
-    lands = any(one <= 2 * AROUND for one in after)
-    part = "landing" if lands else lobe_part(facts, run, angle)
+    part = "landing" if facts.struck(run) else lobe_part(facts, run, angle)
     part = part.removeprefix("the ").removesuffix(" flank")
     return f"{part} {math.degrees(angle):.0f}".strip()
 
 
-def resolved_part(facts: Facts, run: Solution) -> str | Amount:
-    """The force on the cam at the nose, where its largest one is not resolved."""
-    most, nose = (facts.amount(run, f"{one}_cam_contact_force") for one in ("peak", "nose"))
-    return nose if most and nose and nose.resolved and not most.resolved else ""
+@per_run
+def blow(facts: Facts, run: Solution) -> Hit | None:
+    """The largest force on the cam is the blow of a landing, which contact constants decide."""
+    return Hit(run=run, fields={"place": hardest(facts, run)}) if facts.struck(run) else None
 
 
 @per_run
@@ -302,6 +297,8 @@ RULES = (
          guide="how-to/10-seating.md"),
     Rule("C122", "notes", f"the longest flight lasts {{value}}[, from {{angle}}][ to {{landing}}][ {{at}}]{AGAIN}", flight, ("loft_gap",),
          remark=f"longest {{value}}[, {{angle..landing}}][, {{gap}} at the {{place}}]{AGAIN}", guide="how-to/09-loft.md"),
+    Rule("C123", "notes", "the largest force on the cam is a blow ({place} cam deg), whose height contact constants decide", blow,
+         ("peak_cam_contact_force_cam_angle",), remark="by contact constants", guide="uncertainty.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}[ {at}], {part}", step=LASH,
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,

@@ -230,16 +230,11 @@ class Words:
         return f"{digits_text(value, bar / 10, 9)} ± {digits_text(bar, 0, 2)} {unit.text}".strip()
 
     def span(self, least: Amount, most: Amount, digits: int = 3) -> str:
-        """``436 to 1960 N``: two numbers with their unit once, and which of them is not resolved."""
+        """``436 to 1960 N``: two numbers with their unit once; only that which is resolved."""
         if not (least.resolved and most.resolved):
-            low, high = (one.resolved and self.amount(one, digits) for one in (least, most))
-            return (
-                f"up to {high}"
-                if high
-                else f"from {low}, most not resolved"
-                if low
-                else "not resolved"
-            )
+            if most.resolved:
+                return f"up to {self.amount(most, digits)}"
+            return f"from {self.amount(least, digits)}" if least.resolved else "not resolved"
         unit = self.unit(most.name, most.value)
         low, high = (self.number(one, unit, digits) for one in (least, most))
         return f"{low if low == high else f'{low} to {high}'} {unit.text}".strip()

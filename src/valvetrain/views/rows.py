@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from valvetrain.findings.rules_sweep import (
     pair,
     reached,
 )
-from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest, resolved_part
+from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest
 from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
@@ -95,10 +95,11 @@ class Row:
 #: Stress amplitudes that wires bear without end.
 ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
 SEAT = "{minimum_spring_force..peak_spring_force}"
+#: A quantity that a row says as a place on the cam.
+PLACE = "peak_cam_contact_force_cam_angle"
 ROWS = (
     Row("on the cam", ("{minimum_cam_contact_force..peak_cam_contact_force}",), "least while open, most of all", "train"),
-    Row("most at", ("{hardest}",), "cam deg of the most", "train"),
-    Row("at the nose", ("{resolved_part}",), "cam force where the most is not resolved", "train"),
+    Row("most at", ("{peak_cam_contact_force_cam_angle}",), "cam deg of the most", "train"),
     Row("off the cam", ("[{loft_gap}][, {loft_duration}]",), of="train"),
     Row("above its path", ("[{float_excess_lift}]",), of="train", limit=Limit("float_excess_lift", FLOAT)),
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
@@ -124,13 +125,6 @@ ROWS = (
     Row("first mode", ("{surge_frequency}",), "of the wire at rest", "spring"),
     Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
 )  # fmt: skip
-
-
-#: Fields of rows that are no quantity.
-SAID: dict[str, Callable[[Facts, Solution], str | Amount]] = {
-    "hardest": hardest,
-    "resolved_part": resolved_part,
-}
 
 
 def columns(facts: Facts, findings: Findings) -> list[Solution]:
@@ -268,7 +262,7 @@ def _cells(row: Row, facts: Facts, runs: list[Solution], words: Words) -> tuple[
         id(run): {
             name: one
             for name in row.reads
-            if (one := SAID[name](facts, run) if name in SAID else facts.amount(run, name))
+            if (one := hardest(facts, run) if name == PLACE else facts.amount(run, name))
         }
         for run in runs
     }
