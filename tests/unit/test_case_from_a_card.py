@@ -64,7 +64,7 @@ def test_a_case_with_every_answer_assumes_no_card_and_each_question_has_a_value(
         (SPRING | {"seat_load": "76"}, "--seat-load"),
         (SPRING | {"coil_bind": "2 in"}, "--coil-bind"),
         ({"valve_mass": "100 g + 2 mm"}, "--valve-mass"),
-        ({"red_line": "6000"}, "--red-line"),
+        ({"red_line": "6000 mm"}, "--red-line"),
         ({"lift": "-1 mm"}, "--lift"),
         ({"duration": "230 mm"}, "--duration"),
     ],
@@ -77,6 +77,31 @@ def test_a_wrong_answer_is_refused_at_its_option(answers, option, tmp_path, monk
     made = call("new", "mine", "--kind", "pushrod", *words)
     assert made.exit_code == 2 and sentence(made).startswith(f"error: {option}")
     assert not (tmp_path / "mine.toml").exists()
+
+
+def test_a_number_whose_unit_is_the_only_one_in_use_needs_none():
+    """Crank degrees, rpm, and no lash; a bare length stays refused (above)."""
+    bare = {"duration": "232", "lobe_centre": "110", "red_line": "6800", "lash": "0"}
+    written = {
+        "duration": "232 deg",
+        "lobe_centre": "110 deg",
+        "red_line": "6800 rpm",
+        "lash": "0 in",
+    }
+    assert parse_case(card_case_text("pushrod", bare)) == parse_case(
+        card_case_text("pushrod", written)
+    )
+
+
+@pytest.mark.parametrize("length", ["6.8 in", "7.4 in", "290 mm"])
+def test_the_rocker_sits_where_the_pushrod_that_was_measured_reaches(length):
+    train = parse_case(card_case_text("pushrod", {"pushrod_length": length})).train
+    lever, rod = train.lever, train.pushrod
+    ball = [
+        lever.pivot[0] + lever.drive_arm * math.cos(lever.drive_angle),
+        lever.pivot[1] + lever.drive_arm * math.sin(lever.drive_angle),
+    ]
+    assert math.dist(ball, rod.lower_end) == pytest.approx(rod.length, rel=1e-5)
 
 
 @pytest.mark.parametrize(

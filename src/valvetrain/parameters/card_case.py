@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from functools import reduce
+from math import cos, sin, sqrt
 from operator import getitem
 from typing import Any
 
@@ -16,6 +17,7 @@ from valvetrain.parameters.toml_text import find_line, inline
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.parameters.train_names import TITLES
 from valvetrain.units import parse_quantities, parse_quantity
+from valvetrain.units.text import PLAIN_NUMBER
 
 #: Tables of a template that no card gives.
 _NO_CARD = ("train.cam", "train.lever", f"{SPRING}.damping")
@@ -24,6 +26,8 @@ _SPRING_CARD = tuple(QUESTIONS)[:9]
 _NEEDED = ("seat_load", "height")
 #: Of a bending lever: 3 % of critical for 50 g on 40 kN/mm.
 _LEVER_DAMPING = "100 N s/m"
+#: Unit of a number without one, where people use no other.
+_CUSTOMARY = {"ANGLE": "deg", "SPEED": "rpm"}
 
 
 def questions_of(kind: str) -> Iterator[tuple[str, Question, str]]:
@@ -40,7 +44,11 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
 
     Raises :class:`InputError` for an answer that cannot be, that contradicts another, or that needs another.
     """
-    given = {name: str(value).strip() for name, value in answers.items() if str(value).strip()}
+    given = {
+        name: _with_unit(name, str(value).strip())
+        for name, value in answers.items()
+        if str(value).strip()
+    }
     asked = {name: (one, default) for name, one, default in questions_of(kind)}
     for name in given:
         if name not in asked:
@@ -85,7 +93,17 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
         text = _written(text, ("operation", "engine_speeds"), speeds)
     if title:
         text = _written(text, ("title",), title)
-    lever = _checked(text).lever
+    train = _checked(text)
+    lever, rod = train.lever, train.pushrod
+    if "pushrod_length" in given and lever and lever.drive_angle and rod and rod.length:
+        across, up = (
+            lever.drive_arm * cos(lever.drive_angle),
+            lever.drive_arm * sin(lever.drive_angle),
+        )
+        aside = lever.pivot[0] + across - rod.lower_end[0]
+        height = rod.lower_end[1] + sqrt(max(rod.length**2 - aside**2, 0.0)) - up
+        pivot = f"{lever.pivot[0] * 1e3:.6g}, {height * 1e3:.6g} mm"
+        text = _written(text, ("train", "lever", "pivot"), pivot)
     if lever and "rocker_stiffness" in given:
         text = _written(text, ("train", "lever", "damping"), _assumed(_LEVER_DAMPING))
     if lever and "rocker_mass" in given and "rocker_inertia" not in given:
@@ -94,6 +112,14 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
         inertia = _assumed(f"{lever.mass * square * 1e6:.3g} kg mm^2")
         text = _written(text, QUESTIONS["rocker_inertia"].path, inertia)
     return text
+
+
+def _with_unit(name: str, value: str) -> str:
+    """The answer with the unit that its number can only mean: degrees, rpm, and any for no lash."""
+    unit = _CUSTOMARY.get(QUESTIONS[name].follows) if name in QUESTIONS else None
+    if name == "lash" and re.fullmatch(r"0+(\.0*)?", value):
+        unit = "mm"
+    return f"{value} {unit}" if unit and re.fullmatch(PLAIN_NUMBER, value) else value
 
 
 def _complete(given: Mapping[str, str]) -> None:
