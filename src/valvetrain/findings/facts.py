@@ -41,8 +41,8 @@ SPANS = 3
 TURN = 2 * math.pi
 #: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
 AHEAD, SHUT = 0.02, 0.003
-#: Cam angle (rad) around the end of a flight in which a force is that of its blow.
-AROUND = math.radians(3)
+#: Cam angle (rad) before and after the end of a flight in which a force is that of its blow.
+BLOW = (math.radians(0.5), math.radians(3))
 
 
 class Facts:
@@ -118,8 +118,11 @@ class Facts:
         """Whether the largest force on the cam is the blow with which a flight ends."""
         angle = self.value(run, "peak_cam_contact_force_cam_angle")
         ends = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
+        before, after = BLOW
         return any(
-            (angle - float(one) + AROUND) % TURN <= 2 * AROUND for one in ends if one is not None
+            (angle - float(one) + before) % TURN <= before + after
+            for one in ends
+            if one is not None
         )
 
     def amounts(
