@@ -1,5 +1,4 @@
-"""The solid in the slot of spring models: channels and numbers beside the rod's, patches of contact,
-stored runs, refusals."""
+"""The solid in the slot of spring models: channels and numbers beside the rod's, stored runs, refusals."""
 
 from __future__ import annotations
 
@@ -8,17 +7,13 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
-from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.integrate import solid_store
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.runs.api import simulate
-from valvetrain.solution.channels import FINE, spring_channels
-from valvetrain.solution.result import Solution
 from valvetrain.solution.status import with_code
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
@@ -59,7 +54,6 @@ cycles = 1
 output_step = "1 deg"
 """
 
-WIRE = cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")
 #: Coils 1 to 2.5 that lie close, so that they strike; a cone whose free wire lies on its seat.
 PROGRESSIVE = SPRING.replace('free_length = "44 mm"\n', "").replace(
     "[spring.lower_end]",
@@ -216,67 +210,6 @@ def test_ends_that_would_lift_are_told():
     assert pulled and with_code(study.facts, "ends-bonded")
 
 
-def drawn(force: np.ndarray, coil: list[float]) -> Solution:
-    """A run of one revolution whose force per length between coils (N/m) is given."""
-    angle = 2 * np.pi * np.arange(len(force)) / (len(force) - 1)
-    channels = spring_channels(
-        angle, angle, {"coil_line_force": force}, extra=FINE, point_coils={"coil_point": coil}
-    )
-    return Solution(channels)
-
-
-def test_a_patch_runs_through_the_zero_of_the_cam_angle():
-    """Property: what touches before and after the zero of the angle is one patch, also where the place
-    moves by one point there; what never opens lasts the whole revolution."""
-    force = np.zeros((361, 6))
-    force[350:, 1] = 2e3
-    force[0, 2], force[1:11, 2] = 5e3, 1e3
-    force[:, 5] = 3e3
-    force[-1] = force[0]
-    first, second = contact_patches(drawn(force, [1.5, 2.0, 2.5, 3.0, 3.5, 4.0]), WIRE)
-    assert (first.first_coil, first.last_coil, first.coil) == (2.0, 2.5, 2.5)
-    assert np.degrees(first.first_angle) == pytest.approx(350)
-    assert np.degrees(first.duration) == pytest.approx(21)
-    assert (first.line_force, first.cam_angle) == (5e3, 0.0)
-    assert (second.first_coil, second.last_coil) == (4.0, 4.0)
-    assert second.duration == pytest.approx(2 * np.pi)
-
-
-def test_patches_apart_stay_apart():
-    """Contract: a gap of one point or one sample parts patches; other runs have none."""
-    force = np.zeros((361, 3))
-    force[100:110, 0], force[100:110, 2], force[111:120, 0] = 1e3, 2e3, 3e3
-    run = drawn(force, [2.0, 2.5, 3.0])
-    assert [one.line_force for one in contact_patches(run, WIRE)] == [3e3, 2e3, 1e3]
-    assert contact_patches(Solution(run.arrays.only([])), WIRE) == ()
-
-
-@pytest.mark.parametrize("partner", ["coil below", "seat", "retainer"])
-def test_width_and_pressure_are_those_of_hertz(partner):
-    """Closed form: a = sqrt(4 q R / (pi E*)), p = sqrt(q E* / (pi R)) with R half of the wire's radius
-    between wires, the radius itself on a plane."""
-    steel, force = WIRE.material, 2.5e4
-    radius = 1e-3 if partner == "coil below" else 2e-3
-    stiff = steel.youngs_modulus / (2 * (1 - steel.poisson_ratio**2))
-    width, pressure = hertz_of(WIRE, 3.0, partner, force)
-    assert width == pytest.approx(2 * np.sqrt(4 * force * radius / (np.pi * stiff)), rel=1e-9)
-    assert pressure == pytest.approx(np.sqrt(force * stiff / (np.pi * radius)), rel=1e-9)
-
-
-def test_ground_wire_touches_over_its_face():
-    """Closed form: where more turns are ground than are inactive, the plane cuts a chord 2 sqrt(r^2 - h^2)
-    out of wire whose axis is h above it; force per length over it is the mean pressure."""
-    ends = '[spring.lower_end]\nkind = "closed-ground"\ninactive_coils = 0.5\nground_coils = 1'
-    text = SPRING.replace('[spring.lower_end]\nkind = "closed"\ninactive_coils = 1', ends)
-    wire = parse_case(text, "ground").springs[0].wire
-    height, radius = float(wire.centreline(np.array([0.8]))[0, 2]) - wire.lower_seat_height, 2e-3
-    assert 0 < height < radius
-    chord = 2 * np.sqrt(radius**2 - height**2)
-    assert hertz_of(wire, 0.8, "seat", 1e4) == pytest.approx((chord, 1e4 / chord))
-    round_wire = hertz_of(wire, 2.0, "seat", 1e4)
-    assert round_wire == hertz_of(WIRE, 2.0, "seat", 1e4)
-
-
 @pytest.fixture(scope="module")
 def coils() -> Study:
     return simulate(parse_case(PROGRESSIVE, "progressive"), models=["solid"], workers=1)
@@ -325,9 +258,9 @@ def test_a_cone_lies_on_its_seat(cone):
     wire's radius, and its force is part of that on the seat."""
     (run,) = cone.solutions
     wire = parse_case(CONE, "cone").springs[0].wire
-    patches = [one for one in contact_patches(run, wire) if one.partner == "seat"]
-    assert patches and all(120 < np.degrees(one.first_angle) < 240 for one in patches)
     coil, line = run.arrays.along("seat_line_force"), run.channel("seat_line_force")
+    touching = np.degrees(run.cam_angle)[(line > 0).any(axis=1)]
+    assert len(touching) and 120 < touching.min() < 240
     force = line * wire.line_speed(coil) * np.gradient(coil)
     assert 0 < force.max() <= 1.001 * run.channel("seat_force_highest").max()
     places, height = run.arrays.along("axial_position"), run.channel("axial_position")
