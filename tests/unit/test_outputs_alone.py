@@ -34,7 +34,7 @@ def test_outputs_are_computed_alone():
     assert list(run.channels) == ["seat_force"] and run["seat_force"].equals(whole["seat_force"])
     assert run.status.completed
     table = CASE.study(
-        {"spring.wire_diameter": ["3.6 mm"]}, ["peak_spring_force"], sampling="listed",
+        {"spring.wire_diameter": ["3.6 mm"]}, ["peak_spring_force"], sampling="list",
         engine_speeds="5500 rpm", models="multi-mass", workers=1,
     )  # fmt: skip
     assert table.values.item() == expected

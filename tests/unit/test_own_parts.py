@@ -341,10 +341,9 @@ def test_points_of_a_study_are_known_by_what_their_functions_capture(tmp_path):
     """Contract: stored points of a function are not taken for those of the same text with another value."""
 
     def forces(factor):
-        outputs = [lambda run: factor * run.quantities["peak_spring_force"]]
-        varied = {"spring.precompression": ["6 mm", "8 mm"]}
-        options = {"engine_speeds": "2000 rpm", "models": "massless", "output": tmp_path}
-        table = vt.Case("job-t").study(varied, outputs, sampling="listed", **options)
-        return table.values[:, 0]
+        space = vt.Space({"compression": vt.Values((6e-3, 8e-3))})
+        outputs = vt.Outputs("force", function=lambda compression: factor * RATE * compression)
+        experiment = vt.Experiment(None, space, outputs)
+        return experiment.table([[6e-3], [8e-3]], output=tmp_path, workers=1).values[:, 0]
 
     assert forces(2.0) == pytest.approx(2 * forces(1.0), rel=1e-12)

@@ -319,10 +319,12 @@ def test_several_runs_are_not_one():
             lambda case: case.study(
                 {"spring.pitch": [7e-3, 8e-3], "spring.wire_diameter": [4e-3]},
                 "preload",
-                sampling="listed",
+                sampling="list",
             ),
-            "one length",
+            "as many values",
         ),
+        (lambda case: case.study({"spring.pitch": [7e-3]}, [len]), "no name"),
+        (lambda case: case.study({"lift_law": [len]}, "preload"), "no number"),
         (lambda case: vt.load("mine.txt"), r"\.toml"),
         (lambda case: vt.save(case, "mine.nc"), r"\.toml"),
         (lambda case: vt.diff(case, 3), "two of a kind"),
@@ -336,7 +338,7 @@ def test_wrong_input_is_refused_in_one_sentence(wrong, sentence):
 
 def test_listed_designs_are_run_row_by_row():
     rows = {"spring.pitch": ["7.4 mm", 7.5e-3], "spring.wire_diameter": ["4 mm", "3.9 mm"]}
-    table = vt.Case("job-t").study(rows, "preload", sampling="listed", workers=1)
+    table = vt.Case("job-t").study(rows, "preload", sampling="list", workers=1)
     assert table.column("spring.pitch") == pytest.approx([7.4e-3, 7.5e-3])
     assert table.column("spring.wire_diameter") == pytest.approx([4e-3, 3.9e-3])
 

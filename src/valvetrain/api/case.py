@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.api.parts import Lift, Spring, Train, as_table, lift_table, one_run
-from valvetrain.api.points import Output, experiment_of_points, is_object
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.case_changes import tables_of
@@ -303,7 +302,7 @@ class Case:
     def study(
         self,
         varied: Mapping[str, Any],
-        outputs: Sequence[Output] | Output,
+        outputs: Sequence[str] | str,
         *,
         sampling: str = "sobol",
         count: int = 64,
@@ -317,12 +316,9 @@ class Case:
 
         Parameters
         ----------
-        varied : key path -> distribution (``vt.Uniform("7 mm", "8 mm")``) or list of values; a list
-            of functions, tables or arrays too (``"lift_law": [one, other]``), of which the result
-            holds the places
-        outputs : names of quantities (docs/quantities.md), and functions that take the run, or the
-            run and the case, and give a number; with functions one engine speed and one model
-        sampling : name of a sampler (docs/studies.md), or ``"listed"``: lists of one length, row by row
+        varied : key path -> distribution (``vt.Uniform("7 mm", "8 mm")``) or list of values
+        outputs : names of quantities (docs/quantities.md); for numbers of your own see :func:`valvetrain.map`
+        sampling : name of a sampler (docs/studies.md)
         count, seed : points and random seed of the sampler; a grid and a list have neither
         engine_speeds, models, spring_sets : a run of each combination at every point
         options : ``workers``, ``output`` and others of :class:`valvetrain.Experiment`
@@ -336,21 +332,8 @@ class Case:
         ------
         InputError : an unknown quantity or sampler, units that do not fit
         """
-        from valvetrain.explore.distributions import Values
-
-        names = [outputs] if isinstance(outputs, str) or callable(outputs) else list(outputs)
-        if any(map(callable, names)) or any(map(is_object, varied.values())):
-            experiment = experiment_of_points(self, varied, names, engine_speeds, models)
-        else:
-            experiment = self._experiment(varied, names, engine_speeds, models, spring_sets)
-        if sampling == "listed":
-            lists = [one.distribution for one in experiment.space]
-            lengths = {len(one.values) if isinstance(one, Values) else 0 for one in lists}
-            if len(lengths) > 1 or 0 in lengths:
-                raise InputError("listed points are lists of one length for every key", "varied")
-            rows = zip(*(one.values for one in lists if isinstance(one, Values)), strict=True)
-            return experiment.table(list(rows), **options)
-        settings = {} if sampling == "grid" else {"count": count, "seed": seed}
+        experiment = self._experiment(varied, outputs, engine_speeds, models, spring_sets)
+        settings = {} if sampling in ("grid", "list") else {"count": count, "seed": seed}
         return experiment.sample(sampling, settings, **options)
 
     @known_arguments

@@ -22,7 +22,7 @@ from valvetrain.solution.definition import (
 )
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.own_spring import model_names
-from valvetrain.units import format_quantity, known_arguments, parse_quantity, si_speeds
+from valvetrain.units import as_names, format_quantity, known_arguments, parse_quantity, si_speeds
 
 
 class Run(NamedTuple):
@@ -213,10 +213,7 @@ class Outputs:
         limit_speeds: Iterable[Mapping[str, Any] | LimitSearch] = (),
         function: Callable[..., Any] | None = None,
     ) -> None:
-        named = (quantities, model_names(spring_models), spring_set)
-        names, models, sets = (
-            tuple(dict.fromkeys([one] if isinstance(one, str) else one)) for one in named
-        )
+        names, models, sets = map(as_names, (quantities, model_names(spring_models), spring_set))
         limits = tuple(
             one if isinstance(one, LimitSearch) else limit_search(**one) for one in limit_speeds
         )

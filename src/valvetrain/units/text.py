@@ -213,7 +213,10 @@ def numbers_of(*values: Any, dimension: str | None = None) -> tuple[tuple[float,
             dimension = dimension or dimension_of(unit)
             found.append(to_si(number, unit, dimension, f"'{clipped(value)}'", ""))
         else:
-            found.append(float(value))
+            try:
+                found.append(float(value))
+            except (TypeError, ValueError):
+                raise InputError(f"{clipped(repr(value))} is no number; give one") from None
     return tuple(found), dimension
 
 
