@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 
+import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.api import simulate, sweep
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
-from valvetrain.runs.workers import available_cores, map_cases, map_points
+from valvetrain.runs.workers import available_cores, map_points
 
 RPM = math.pi / 30
 
@@ -27,7 +28,7 @@ def scaled(factor: float, value: float) -> float:
 def test_results_keep_their_order_and_progress_counts_up():
     seen = []
     for workers in (1, 2, None):
-        assert map_cases(
+        assert vt.map(
             square, range(7), workers, lambda done, total: seen.append((done, total))
         ) == tuple(n * n for n in range(7))
     for processes in (False, True):
@@ -42,13 +43,13 @@ def test_results_keep_their_order_and_progress_counts_up():
             )
             assert found == tuple(3.0 * n * n for n in range(7))
     assert seen == [(n, 7) for n in range(1, 8)] * 9
-    assert map_cases(square, (), 4) == map_points(scaled, 3.0, (), 4) == ()
+    assert vt.map(square, (), 4) == map_points(scaled, 3.0, (), 4) == ()
     assert available_cores() >= 1
 
 
 def test_no_worker_is_refused():
     with pytest.raises(InputError, match="workers must be 1 or more"):
-        map_cases(square, (1,), 0)
+        vt.map(square, (1,), 0)
     with pytest.raises(InputError, match="workers must be 1 or more"):
         map_points(scaled, 3.0, (1,), 0)
     with pytest.raises(InputError, match="0 is outside 1 to 256"):

@@ -28,7 +28,7 @@ def many():
 
 def in_pool(workers: int) -> list[list[int]]:
     with StandingPool(counts, None, workers) as pool:
-        return pool.map(range(3))
+        return [one for _, one in pool.stream(range(3))]
 
 
 def in_processes(workers: int) -> list[list[int]]:

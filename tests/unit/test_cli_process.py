@@ -155,8 +155,8 @@ def test_ctrl_c_ends_worker_processes_too(tmp_path):
         f"import time\nwith open({str(mark)!r}, 'a') as file:\n    file.write('x')\ntime.sleep(60)\n"
     )
     code = (
-        "import runpy; from valvetrain.cli import main; from valvetrain.runs.workers import map_cases\n"
-        f"main.app.command('x')(lambda: map_cases(runpy.run_path, [{str(job)!r}] * 4, 2))\n"
+        "import runpy; from valvetrain import map; from valvetrain.cli import main\n"
+        f"main.app.command('x')(lambda: map(runpy.run_path, [{str(job)!r}] * 4, 2))\n"
         "import sys; sys.argv = ['valvetrain', 'x']; main.main()"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "preexec_fn": hear_interrupts}

@@ -150,7 +150,7 @@ def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
         (lambda: vt.simulate("job-t", workers=1.5), "a whole number is needed; it is 1.5"),
         (lambda: vt.sweep("job-t", workers="two"), "a whole number is needed; it is two"),
         (lambda: vt.refine("job-t", workers=0), "0 is outside 1 to 256"),
-        (lambda: vt.runs.map_cases(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
+        (lambda: vt.map(vt.load_case, ["job-t"], workers=2.0), "a whole number"),
         (lambda: vt.static_curve(None), "'None' is no case"),
         (lambda: vt.simulate(7), "'7' is no case"),
         (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from valvetrain.api.case import Case
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.runs.stopping import shows_progress
 from valvetrain.solution.result import Solution
 
 Result = TypeVar("Result")
@@ -121,6 +122,7 @@ def diff(first: Any, second: Any) -> dict[str, tuple[Any, Any]]:
     raise InputError("two cases or two solutions are compared; give two of a kind")
 
 
+@shows_progress("map", counted=True)
 def map(
     function: Callable[[Any], Result],
     designs: Iterable[Any],
@@ -143,7 +145,8 @@ def map(
 
     Raises
     ------
-    InputError : a function or result that cannot be sent to another process; what the function raises
+    InputError : a function or result that cannot be sent to another process; what the function raises;
+        RunFailedError where the worker of a design is killed again and again
 
     Examples
     --------
@@ -151,10 +154,14 @@ def map(
     >>> vt.map(lambda rate: 2 * rate, [1.0, 2.0], workers=1)
     (2.0, 4.0)
     """
-    from valvetrain.runs.workers import map_cases
+    from valvetrain.runs.workers import map_points
 
-    items = tuple(designs)
-    return map_cases(function if workers == 1 else _Sent(function), items, workers, progress)
+    sent = function if workers == 1 else _Sent(function)
+    return map_points(_of_design, sent, tuple(designs), workers, processes=True, tell=progress)
+
+
+def _of_design(function: Callable[[Any], Result], design: Any) -> Result:
+    return function(design)
 
 
 class _Sent:

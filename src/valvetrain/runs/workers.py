@@ -14,7 +14,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     Future,
@@ -29,9 +29,8 @@ from numbers import Integral
 from typing import Any, Protocol, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop, shows_progress
+from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
 
-Case = TypeVar("Case")
 Point = TypeVar("Point")
 Shared = TypeVar("Shared")
 Result = TypeVar("Result")
@@ -270,11 +269,6 @@ class StandingPool:
             _end(self._pool)
         self._left.close()
 
-    def map(self, points: Sequence[Any]) -> list[Any]:
-        """The results of one batch, in the order of its points."""
-        results = dict(self.stream(points))
-        return [results[index] for index in range(len(points))]
-
     def stream(self, points: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """(index, result) of every point of one batch as it is finished."""
         if (cluster := CLUSTER.get()) is not None:
@@ -300,63 +294,6 @@ class StandingPool:
                 yield again[number], result
             _end(self._pool)
             self._start()
-
-
-@shows_progress("map", counted=True)
-def map_cases(
-    function: Callable[[Case], Result],
-    cases: Iterable[Case],
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> tuple[Result, ...]:
-    """A function of every case, in their order, over processes: every case runs alone, so results
-    do not depend on ``workers``.
-
-    Parameters
-    ----------
-    function : of one case; importable (a module-level function or a partial of one), with results that pickle
-    cases : what the function takes, one after the other
-    workers : processes; None for one per core, 1 for this process
-    progress : called as ``progress(done, total)`` after each case
-
-    Returns
-    -------
-    tuple of the results, one per case
-
-    Raises
-    ------
-    InputError : fewer than one worker; what the function raises; RunFailedError where the worker of
-        a case is killed again and again
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> [case.name for case in vt.runs.map_cases(vt.load_case, ["job-t", "gu2021-beehive"], workers=1)]
-    ['job-t', 'gu2021-beehive']
-    """
-    items: Sequence[Case] = tuple(cases)
-    count = min(worker_count(workers), max(len(items), 1))
-    numbered: Iterator[tuple[int, Any]]
-    if (cluster := CLUSTER.get()) is not None:
-        numbered = cluster.stream(_of_one, function, items)
-    elif count == 1:
-        numbered = enumerate(map(function, items))
-    else:
-        numbered = in_processes(_of_one, function, items, count)
-    results: dict[int, Result] = {}
-    for index, result in numbered:
-        if isinstance(result, Lost):
-            raise RunFailedError(
-                "a worker process was killed, and so was the one that tried its case again; take fewer workers"
-            )
-        results[index] = result
-        if progress is not None:
-            progress(len(results), len(items))
-    return tuple(results[index] for index in range(len(items)))
-
-
-def _of_one(function: Callable[[Case], Result], item: Case) -> Result:
-    return function(item)
 
 
 def map_points(
