@@ -287,10 +287,6 @@ def test_without_dask_the_command_that_installs_it_is_told(tmp_path, monkeypatch
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(vt.ValvetrainError, match="pip install"):
         vt.study(TEXT.format(count=2), dask="local", workers=1)
-    monkeypatch.undo()
-    monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
-    with pytest.raises(vt.ValvetrainError, match="dask-jobqueue"):
-        vt.study(TEXT.format(count=2), dask="slurm", workers=1)
 
 
 def test_a_study_without_dask_never_loads_it(tmp_path):

@@ -118,8 +118,8 @@ def study(
     progress : called with the share done and a text
     options : further fields of :class:`valvetrain.explore.requests.Study`:
         ``workers``, points at a time: results do not depend on it;
-        ``dask``, "local", the address of a Dask scheduler or the name of a queue ("slurm", "pbs"); empty
-        for processes of this machine;
+        ``dask``, "local", the address of a Dask scheduler or the path of its file; empty for processes of
+        this machine;
         ``output``, folder of the finished points, where a study that was stopped or killed continues: none by default;
         ``limit``, largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
 

@@ -20,14 +20,6 @@ HINT = "Dask is requested (--dask) but not installed; install the extra: pip ins
 TRIALS = 3
 #: Seconds in which a scheduler must answer, and in which one given by address must have a worker.
 PATIENCE = 20.0
-#: Classes of dask-jobqueue by the name of their scheduler.
-QUEUES = {
-    "slurm": "SLURMCluster",
-    "pbs": "PBSCluster",
-    "sge": "SGECluster",
-    "lsf": "LSFCluster",
-    "htcondor": "HTCondorCluster",
-}
 
 
 @contextmanager
@@ -37,10 +29,9 @@ def on_cluster(where: str, workers: int | None = None) -> Iterator[int]:
 
     Parameters
     ----------
-    where : "local", the address of a scheduler, the path of its scheduler file (.json), or the name
-        of a queue of dask-jobqueue ("slurm", "pbs", "sge", "lsf", "htcondor"); empty: this machine
-    workers : workers to start, of "local" and of a queue; all cores of this machine by default. A
-        scheduler has its own
+    where : "local", the address of a scheduler, or the path of its scheduler file (.json); empty: this
+        machine
+    workers : workers to start of "local"; all cores of this machine by default. A scheduler has its own
 
     Yields
     ------
@@ -48,9 +39,8 @@ def on_cluster(where: str, workers: int | None = None) -> Iterator[int]:
 
     Raises
     ------
-    InputError : no scheduler answers, or it has no workers; MissingExtraError where Dask, or
-        dask-jobqueue for a queue, is not installed; RunFailedError in the block where the scheduler
-        ends
+    InputError : no scheduler answers, or it has no workers; MissingExtraError where Dask is not
+        installed; RunFailedError in the block where the scheduler ends
 
     Examples
     --------
@@ -92,9 +82,6 @@ class Cluster:
                 raise FileNotFoundError(where)
             cluster = None if file else self._cluster(distributed, where, workers)
             client = connect(cluster, timeout=PATIENCE, set_as_default=False, **file)
-        except MissingExtraError:
-            self._left.close()
-            raise
         except (OSError, TimeoutError, ValueError) as error:
             self._left.close()
             raise InputError(
@@ -102,33 +89,21 @@ class Cluster:
                 "dask",
             ) from error
         self._client: Any = self._left.enter_context(client)
-        if where != "local" and where not in QUEUES:
+        if where != "local":
             self.workers = self._its_workers()
         self._sent: tuple[Any, Any] | None = None
 
     def _cluster(self, distributed: Any, where: str, workers: int) -> Any:
-        if where == "local":
-            cluster = distributed.LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=":0",  # any free port
-                protocol="tcp",
-                silence_logs=50,
-            )
-        elif where in QUEUES:
-            try:
-                import dask_jobqueue
-            except ImportError as error:
-                raise MissingExtraError(
-                    f"--dask {where} needs dask-jobqueue; install it: pip install dask-jobqueue"
-                ) from error
-            cluster = getattr(
-                dask_jobqueue, QUEUES[where]
-            )()  # its settings are those of the site (jobqueue.yaml)
-            cluster.scale(workers)
-        else:
+        if where != "local":
             return where
+        cluster = distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":0",  # any free port
+            protocol="tcp",
+            silence_logs=50,
+        )
         return self._left.enter_context(cluster)
 
     def _its_workers(self) -> int:
