@@ -193,7 +193,6 @@ def batch(interval: Any = 2e-6, step: Any = 2e-7) -> Any:
 #: something else.
 ARGUMENTS: dict[str, tuple[Callable[[Any], Any], float, str]] = {
     "force_at": (CURVE.force_at, 0.008, "8 mm"),
-    "compression_at": (CURVE.compression_at, 300.0, FORCE),
     "static_curve of a rod": (lambda x: rod().static_curve(x, 2).compression[-1], 0.005, LENGTH),
     "static_point of a rod": (lambda x: rod().static_point(x).force, 0.005, LENGTH),
     "modes of a rod": (lambda x: rod().modes(1, attached_mass=x).natural_frequency[0], 0.05, MASS),

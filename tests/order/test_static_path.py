@@ -64,16 +64,6 @@ def test_the_curve_says_the_same_between_any_steps(beehive):
     )
 
 
-def test_the_compression_of_a_force_gives_the_force_back(beehive):
-    curve = vt.static_curve(beehive, steps=4)
-    assert curve.compression_at("400 N") == vt.static_curve(beehive, steps=9).compression_at(400.0)
-    assert curve.force_at(curve.compression_at("400 N")) == pytest.approx(400.0, rel=1e-12)
-    assert curve.compression_at(0.0) == 0.0
-    for force in (-1.0, 5e3):
-        with pytest.raises(vt.InputError, match="outside the static curve"):
-            curve.compression_at(force)
-
-
 def test_static_run_modes_and_python_say_one_preload_and_one_rate(beehive):
     """Of the terminal's commands and of Python's functions: the same bits."""
     arguments = ["gu2021-beehive-blind", "--set", f"{ELEMENTS}=12", "--json"]

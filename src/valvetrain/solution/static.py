@@ -185,27 +185,6 @@ class StaticCurve(Saveable):
         known, place = self._place(compression)
         return float(np.interp(place, known.compression, known.stiffness))
 
-    def compression_at(self, force: Given) -> float:
-        """Least compression (m) of a spring that carries a ``force`` (N, "400 N" or a pint
-        quantity), between points as :meth:`force_at`.
-
-        Raises :class:`InputError` for a force that the curve does not reach.
-        """
-        load, known = si(force, "force", "force"), self.path or self
-        above = np.flatnonzero(known.force >= load)
-        if load < known.force[0] or not len(above):
-            reach = f"{known.force[0]:g} to {known.force.max():g} N"
-            raise InputError(
-                f"a force of {load:g} N is outside the static curve ({reach}); compute it further"
-            )
-        if above[0] == 0:
-            return float(known.compression[0])
-        low, high = known.compression[above[0] - 1 : above[0] + 1].tolist()
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if known.force_at(middle) < load else (low, middle)
-        return float(high)
-
     def _place(self, given: Given) -> tuple[StaticCurve, float]:
         compression = si(given, "compression", "compression")
         first, last = float(self.compression[0]), float(self.compression[-1])
