@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.arrays import Array
 from valvetrain.parameters.curves import Parabola, PiecewiseLinear
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.units import Given, si
@@ -59,3 +65,28 @@ def beehive(
     """Cylindrical up to a coil number, then tapering linearly."""
     law = PiecewiseLinear((0.0, taper_from_coil, total_coils), (mean, mean, top))
     return cylindrical(wire, law, pitch, total_coils, **more)
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionCurve:
+    """A curve of one's own: any callable of the coil number, derivative and integral taken numerically."""
+
+    function: Callable[[Array], ArrayLike]
+
+    def value(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        return np.broadcast_to(np.asarray(self.function(coil), dtype=float), coil.shape).copy()
+
+    def derivative(self, coil: ArrayLike) -> Array:
+        coil, step = np.asarray(coil, dtype=float), 1e-5
+        return (self.value(coil + step) - self.value(coil - step)) / (2 * step)
+
+    def integral(self, coil: ArrayLike) -> Array:
+        coil = np.asarray(coil, dtype=float)
+        # Gauss-Legendre in panels of at most a quarter turn resolves any smooth pitch law.
+        nodes, weights = np.polynomial.legendre.leggauss(8)
+        panels = max(4, int(np.ceil(4 * np.max(np.abs(coil), initial=1.0))))
+        edges = np.linspace(0.0, 1.0, panels + 1)
+        points = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
+        scale = (np.diff(edges)[:, None] * weights / 2).ravel()
+        return coil * (self.value(np.multiply.outer(coil, points)) @ scale)

@@ -8,7 +8,7 @@ import pickle
 
 import pytest
 
-from spring_shapes import barrel
+from spring_shapes import FunctionCurve, barrel
 from valvetrain.parameters.case import (
     Case,
     DampingParameters,
@@ -16,7 +16,6 @@ from valvetrain.parameters.case import (
     PublishedValue,
     content,
 )
-from valvetrain.parameters.curves import FunctionCurve
 from valvetrain.parameters.loading import load_case, parse_case
 
 

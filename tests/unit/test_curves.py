@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from spring_shapes import FunctionCurve
 from valvetrain.parameters.curves import (
     Constant,
     Curve,
-    FunctionCurve,
     Parabola,
     PiecewiseLinear,
     SlopeOf,

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from spring_shapes import conical, cylindrical
+from spring_shapes import FunctionCurve, conical, cylindrical
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import (
     Constant,
-    FunctionCurve,
     PiecewiseLinear,
 )
 from valvetrain.parameters.material import MATERIALS, OTEVA_90_SC, Material, material_by_name

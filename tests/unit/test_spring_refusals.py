@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from spring_shapes import cylindrical
+from spring_shapes import FunctionCurve, cylindrical
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, TipLoads
 from valvetrain.errors import InputError
 from valvetrain.parameters.card import SpringCard
-from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
+from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import SpringDefinition

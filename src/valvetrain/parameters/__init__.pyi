@@ -1,5 +1,4 @@
 from valvetrain.parameters.curves import Constant as Constant
-from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
 from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear
 from valvetrain.parameters.curves import Table as Table
 from valvetrain.parameters.installed_spring import Guide as Guide

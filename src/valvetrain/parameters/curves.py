@@ -7,7 +7,7 @@ class.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, runtime_checkable
 
@@ -187,37 +187,6 @@ class Table(_Knots):
             return found
 
         return area(coil) - area(np.asarray(0.0))
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionCurve:
-    """Any callable of the coil number; derivative and integral are taken numerically.
-
-    >>> import numpy as np
-    >>> curve = FunctionCurve(lambda coil: 7e-3 + 1e-4 * np.asarray(coil))
-    >>> round(float(curve.value(2.0)) * 1e3, 4)
-    7.2
-    """
-
-    function: Callable[[Array], ArrayLike]
-
-    def value(self, coil: ArrayLike) -> Array:
-        coil = np.asarray(coil, dtype=float)
-        return np.broadcast_to(np.asarray(self.function(coil), dtype=float), coil.shape).copy()
-
-    def derivative(self, coil: ArrayLike) -> Array:
-        coil, step = np.asarray(coil, dtype=float), 1e-5
-        return (self.value(coil + step) - self.value(coil - step)) / (2 * step)
-
-    def integral(self, coil: ArrayLike) -> Array:
-        coil = np.asarray(coil, dtype=float)
-        # Gauss-Legendre in panels of at most a quarter turn resolves any smooth pitch law.
-        nodes, weights = np.polynomial.legendre.leggauss(8)
-        panels = max(4, int(np.ceil(4 * np.max(np.abs(coil), initial=1.0))))
-        edges = np.linspace(0.0, 1.0, panels + 1)
-        points = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
-        scale = (np.diff(edges)[:, None] * weights / 2).ravel()
-        return coil * (self.value(np.multiply.outer(coil, points)) @ scale)
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,7 +60,9 @@ def option(
 
 def dask_option() -> Any:
     """The field of a cluster that computes a request."""
-    meaning = "Compute on a Dask cluster: 'local', the address of a scheduler, or the path of its file."
+    meaning = (
+        "Compute on a Dask cluster: 'local', the address of a scheduler, or the path of its file."
+    )
     return option(read_text, meaning, "--dask", "CLUSTER", default="")
 
 
