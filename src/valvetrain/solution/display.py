@@ -145,12 +145,6 @@ def verdict_first(result: object, lines: Sequence[str]) -> str:
     return "\n  ".join([sentence, *lines] if sentence else lines)
 
 
-def heading(result: object) -> str:
-    """The first line of the text of a result that is not its verdict."""
-    sentence: str = registry.find("displays", "verdict")(result)
-    return repr(result).removeprefix(sentence).strip().partition("\n")[0]
-
-
 class Saveable(Shown):
     """A result with a table, a figure and a file of its own."""
 
