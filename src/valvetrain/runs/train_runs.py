@@ -179,11 +179,18 @@ def speed_blocks(engine_speeds: Sequence[float], most: int) -> tuple[tuple[float
 def train_block(
     shared: tuple[Problem, tuple[PreparedRun, ...], Plan], block: Sequence[tuple[int, float]]
 ) -> tuple[Solution, ...]:
-    """Runs of one member at rising engine speeds, each from the motion of the one before where that repeats."""
-    orbit, runs = None, []
-    for point in block:
-        run, orbit = _train_run(shared, point, orbit)
-        runs.append(run)
+    """Runs of one member at rising engine speeds, each from the motion of the one before where that repeats and is not
+    that of large springs.
+    """
+    problem, ready, plan = shared
+    start: Orbit | None = None
+    runs = []
+    for index, engine_speed in block:
+        one = ready[index]
+        provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
+        run, orbit = integrate_from(one, engine_speed, plan, provenance, start)
+        start = orbit if orbit is not None and orbit.motion is not None else None
+        runs.append(without_false_surge(problem, one, with_quantities(one, run, plan, {}), plan))
     return tuple(runs)
 
 
@@ -191,24 +198,7 @@ def train_point(
     shared: tuple[Problem, tuple[PreparedRun, ...], Plan], point: tuple[int, float]
 ) -> Solution:
     """One run of one member (index) at one engine speed (rad/s)."""
-    return _train_run(shared, point)[0]
-
-
-def _train_run(
-    shared: tuple[Problem, tuple[PreparedRun, ...], Plan],
-    point: tuple[int, float],
-    start: Orbit | None = None,
-) -> tuple[Solution, Orbit | None]:
-    """As :func:`train_point`, from the motion ``start``; also the motion that it ends on, None where that does not
-    repeat or is that of large springs.
-    """
-    problem, ready, plan = shared
-    one, engine_speed = ready[point[0]], point[1]
-    provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
-    run, orbit = integrate_from(one, engine_speed, plan, provenance, start)
-    carried = orbit if orbit is not None and orbit.motion is not None else None
-    run = without_false_surge(problem, one, with_quantities(one, run, plan, {}), plan)
-    return run, carried
+    return train_block(shared, (point,))[0]
 
 
 def rigid_numbers(
