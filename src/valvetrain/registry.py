@@ -260,7 +260,6 @@ BUILT_IN["figures"] = {
     "modes/surge-orders": "valvetrain.views.figures_of_springs:SURGE_ORDERS",
     "modes/mode-shapes": "valvetrain.views.figures_of_springs:MODE_SHAPES",
     "rest": "valvetrain.views.figures_of_springs:STATIC_CURVES",
-    "published/paper": "valvetrain.views.figures_of_springs:PAPER",
 }
 BUILT_IN["tables"] = {
     "findings": "valvetrain.views.tables:findings",

@@ -1,4 +1,4 @@
-"""Figures of springs: gaps between coils, cam orders of surge, next to a paper, at rest."""
+"""Figures of springs: gaps between coils, cam orders of surge, strength, at rest."""
 
 from __future__ import annotations
 
@@ -13,11 +13,8 @@ from valvetrain.findings.rules_rest import IN_USE, lift_of, orders_of, strongest
 from valvetrain.findings.springs_at_rest import State, Together, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
-from valvetrain.solution.definition import definition_of, label_of
-from valvetrain.solution.uncertainty import Comparison
 from valvetrain.views.style import (
     BAD,
-    LEAD,
     OTHER,
     RIGID,
     SPEEDS,
@@ -41,8 +38,6 @@ APART = 0.02
 PALE = 0.3
 #: Axial modes whose shapes are drawn.
 MODES = 4
-#: Printed forces that make a figure worth it.
-LEAST_PRINTED = 3
 
 
 def coils(facts: Facts) -> go.Figure | None:
@@ -127,44 +122,12 @@ def strength(facts: Facts) -> go.Figure | None:
     return fig.update_layout(hovermode="closest").update_yaxes(range=[0.0, top])
 
 
-def paper(facts: Facts) -> go.Figure | None:
-    """How far (per cent) each printed force is from the one computed here, and from that of the blind case."""
-
-    def row(one: Comparison) -> str:
-        speed = "rest" if one.engine_speed is None else f"{one.engine_speed / RPM:.0f} rpm"
-        return f"{label_of(one.quantity)}, {speed}, {one.origin}"
-
-    known = [
-        one
-        for one in facts.study.comparisons
-        if one.published and one.computed is not None and not one.doubt and definition_of(one.quantity).dimension == "force"
-    ]  # fmt: skip
-    if len(known) < LEAST_PRINTED:
-        return None
-    fig = go.Figure()
-    for word, symbol, colour in (("blind", "circle-open", OTHER), ("here", "circle", LEAD)):
-        values = [one.blind if word == "blind" else one.computed for one in known]
-        shares = [
-            None if value is None else 100 * (value - one.published) / abs(one.published)
-            for value, one in zip(values, known, strict=True)
-        ]
-        if any(share is not None for share in shares):
-            marker = {"size": 8, "color": colour, "symbol": symbol}
-            names = [row(one) for one in known]
-            fig.add_trace(go.Scatter(x=shares, y=names, mode="markers", name=word, marker=marker))
-    fig.add_vline(0, line={"color": "#999", "width": 1})
-    styled(fig, "off the printed value, %", ("",), 120 + 19 * len(known))
-    fig.update_layout(hovermode="closest", margin={"l": 250})
-    return fig.update_yaxes(autorange="reversed", tickfont={"size": 11}, dtick=1, automargin=True)
-
-
 COILS = FigureSpec("Gaps between coils", "smallest gap of each pair; 0: the coils touch", coils)
 ORDERS_OF_SURGE = FigureSpec(
     "What makes the spring surge",
     "amplitude (0 to peak) of each cam order of the spring force less its static value",
     orders,
 )
-PAPER = FigureSpec("Here and in the paper: forces", "open: by the case that was not fitted", paper)
 STRENGTH = FigureSpec(
     "Stress and strength of the wire",
     "corrected shear by EN 13906-1; the higher above the dotted line, the larger the swing",
