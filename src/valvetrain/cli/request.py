@@ -167,13 +167,6 @@ class StudyLine(SavedLine):
 class MotionLine(StudyLine, DaskLine):
     """The command line of a study in motion."""
 
-    published: bool = option(
-        read_switch,
-        "Print every published value next to the computed one, and findings.",
-        "--published",
-        default=False,
-    )
-
 
 def command_of(
     model: type[RequestOf],

@@ -13,14 +13,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import typer
 
 from valvetrain.cli.outcome import at_end, complain
-from valvetrain.cli.request import MotionLine, StudyLine
+from valvetrain.cli.request import StudyLine
 from valvetrain.runs.cost import FEWER, Cost, refuse_cost
 from valvetrain.runs.requests import Request, Watch
 from valvetrain.runs.run_folders import ANSWER
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.cli.outcome import Outcome
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.status import PartialFailures
@@ -131,7 +129,9 @@ def _saved_outcome(
     from valvetrain.cli.progress import busy
     from valvetrain.parameters.summary import rpm
     from valvetrain.solution.status import PartialFailures
+    from valvetrain.views.answer import Answer
     from valvetrain.views.results import answer_json, write_answer
+    from valvetrain.views.terminal import screen
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
@@ -169,25 +169,11 @@ def _saved_outcome(
     data.update(folder=str(folder), files=files, page=None if page is None else str(page))
     if page is not None and line.open_page:
         show_page(page)
-    published = isinstance(line, MotionLine) and line.published
     return Outcome(
-        data, lambda console: show_study(console, study, folder, page, published), all_failures()
+        data,
+        lambda console: console.print(screen(Answer(study), str(page or ""), str(folder))),
+        all_failures(),
     )
-
-
-def show_study(
-    console: Console, study: Study, folder: Path, page: Path | None, published: bool = False
-) -> None:
-    """Print the answer of a study; with ``published`` every printed value and what the source states."""
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.views.answer import Answer
-    from valvetrain.views.terminal import screen
-
-    answer = Answer(study)
-    console.print(screen(answer, str(page or ""), str(folder)))
-    for key, table in answer.tables().items() if published else ():
-        if key in ("published", "source"):
-            console.print(plain_table(table.columns, table.rows, f"\n{table.title}"))
 
 
 def keep_run(
