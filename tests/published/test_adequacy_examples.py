@@ -68,7 +68,7 @@ def test_printed_percentage_points_of_f():
         (10, 60): 1.99,
         (4, math.inf): 2.37,
     }.items():
-        assert critical_ratio(first, second, 0.05) == pytest.approx(point, abs=0.006)
+        assert critical_ratio(first, second) == pytest.approx(point, abs=0.006)
     assert chance(14.80, 4, 5) == pytest.approx(0.0056, abs=1e-4)
 
 
@@ -86,7 +86,7 @@ def test_a_model_is_adequate_up_to_the_critical_ratio():
         test = AdequacyTest(
             mean_square=square, reproducibility=2.0, repeats=6, places=100, independent=10.0
         )
-        assert test.adequate is (square < 2 * critical_ratio(10, 50, 0.05))
+        assert test.adequate is (square < 2 * critical_ratio(10, 50))
 
 
 def test_a_difference_just_beyond_what_is_refutable_is_refuted():

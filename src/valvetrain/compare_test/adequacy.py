@@ -43,7 +43,6 @@ class AdequacyTest:
     places : angles or values compared
     independent : how many of them are independent
     fitted : parameters of the model that were found from these values
-    level : share of adequate models that the test may refute
     shared : mean square of each error that all repeats share, of calibration or angle, square of
         the unit
 
@@ -66,7 +65,6 @@ class AdequacyTest:
     places: int
     independent: float
     fitted: int = 0
-    level: float = LEVEL
     shared: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -115,7 +113,7 @@ class AdequacyTest:
     @property
     def critical(self) -> float:
         """Ratio above which the model is refuted."""
-        return critical_ratio(*self.degrees, self.level)
+        return critical_ratio(*self.degrees)
 
     @property
     def p_value(self) -> float:
@@ -141,9 +139,9 @@ def chance_text(p_value: float) -> str:
     return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
 
 
-def critical_ratio(first: float, second: float, level: float) -> float:
-    """Ratio that the chance ``level`` exceeds; ``second`` may be infinite."""
-    return float(fdtri(first, min(second, MANY), 1 - level))
+def critical_ratio(first: float, second: float) -> float:
+    """Ratio that the chance :data:`LEVEL` exceeds; ``second`` may be infinite."""
+    return float(fdtri(first, min(second, MANY), 1 - LEVEL))
 
 
 def chance(ratio: float, first: float, second: float) -> float:
@@ -158,7 +156,6 @@ def adequacy_test(
     *,
     ring: bool = False,
     fitted: int = 0,
-    level: float = LEVEL,
     shared: tuple[float, ...] = (),
 ) -> AdequacyTest:
     """Fisher's test of a model against repeats of a curve or of a set of values.
@@ -170,7 +167,6 @@ def adequacy_test(
     weights : share of the whole that each place represents, shape (places,); even by default
     ring : the places are even steps round one cam revolution
     fitted : parameters of the model that were found from these values
-    level : share of adequate models that the test may refute
     shared : mean square of each error that all repeats share, square of the unit
 
     Returns
@@ -204,7 +200,6 @@ def adequacy_test(
         places,
         independent,
         fitted,
-        level,
         shared,
     )
 
@@ -280,8 +275,8 @@ class DifferenceBand:
     """Difference of model and test over the cam angle with its band, SI, shapes (angles,).
 
     ``difference``: model less mean of the repeats. ``half_width``: the true difference is within
-    it of the computed one at all angles at once with the chance 1 - ``level``. ``factor``: half
-    width in standard errors of the mean. ``level`` as in the test of adequacy.
+    it of the computed one at all angles at once with the chance 1 - :data:`LEVEL`. ``factor``: half
+    width in standard errors of the mean.
 
     >>> import numpy as np
     >>> angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
@@ -294,7 +289,6 @@ class DifferenceBand:
     difference: Array
     half_width: Array
     factor: float
-    level: float = LEVEL
 
     @property
     def outside(self) -> Flags:
@@ -302,9 +296,7 @@ class DifferenceBand:
         return np.abs(self.difference) > self.half_width
 
 
-def difference_band(
-    values: Array, model: Array, level: float = LEVEL, shared: Array = NO_ERRORS
-) -> DifferenceBand:
+def difference_band(values: Array, model: Array, shared: Array = NO_ERRORS) -> DifferenceBand:
     """The band for ``values`` (repeats, angles) round one cam revolution and ``model`` (angles,);
     ``shared`` (errors, angles): standard deviations of errors that all repeats share, each in step
     along the turn, to which half of the level goes (Scheffe).
@@ -322,12 +314,12 @@ def difference_band(
     size = np.sqrt(np.sum(residuals**2, axis=0))
     moving = size > 1e-12 * float(size.max(initial=0.0))
     count = len(shared)
-    factor = band_factor(residuals[:, moving] / size[moving], 0.5 * level if count else level)
+    factor = band_factor(residuals[:, moving] / size[moving], 0.5 * LEVEL if count else LEVEL)
     half = factor * size / math.sqrt((repeats - 1) * repeats)
     if count:
         common = np.sqrt(np.sum(shared**2, axis=0))
-        half = half + math.sqrt(float(chdtri(count, 0.5 * level))) * common
-    return DifferenceBand(model - mean, half, factor, level)
+        half = half + math.sqrt(float(chdtri(count, 0.5 * LEVEL))) * common
+    return DifferenceBand(model - mean, half, factor)
 
 
 def band_factor(directions: Array, level: float) -> float:

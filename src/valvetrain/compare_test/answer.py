@@ -201,7 +201,7 @@ class AgainstTestAnswer(ShownByRules):
         for test in [one.adequacy for one in self.result.runs if one.adequacy is not None][:1]:
             yield (
                 "F compares how far the model is from the mean of the repeats with how far the repeats are from each other. A true model has "
-                f"about 1; scatter alone gives more than {digits_text(test.critical)} in {100 * test.level:g} of 100 tests, and a model with more is "
+                f"about 1; scatter alone gives more than {digits_text(test.critical)} in {100 * LEVEL:g} of 100 tests, and a model with more is "
                 f"refuted. {test.places} places count as {digits_text(test.independent)}, for neighbours scatter together."
             )
         yield from (f"{note[:1].upper()}{note[1:]}." for note in dict.fromkeys(self.result.notes))

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from valvetrain import registry
-from valvetrain.compare_test.adequacy import LEVEL
 from valvetrain.compare_test.comparison import (
     ComparisonRequest,
     RunAgainstTest,
@@ -27,16 +27,15 @@ from valvetrain.compare_test.reader import (
     separate_cycles,
     whole_cycles,
 )
+from valvetrain.compare_test.request import CompareTest
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.measured.sensor import Sensor
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
-from valvetrain.runs.cost import Limits
 from valvetrain.runs.stopping import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import Reported, verdict_first
@@ -45,7 +44,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, known_arguments, si
+from valvetrain.units import Given, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,24 +91,9 @@ class ModelAgainstTest(Reported):
         return verdict_first(self, [*lines, *(f"not completed: {one}" for one in self.failures)])
 
 
-@known_arguments
 @shows_progress("compare with test")
 def compare_with_test(
-    case: AnyCase,
-    test: AnyTest,
-    *,
-    quantity: str = "",
-    engine_speed: Given | None = None,
-    models: Sequence[str] | str = (),
-    spring_sets: Sequence[str] | str = (),
-    sensor: Sensor | None = None,
-    fitted: int = 0,
-    shared: str | Sequence[str] = (),
-    level: float = LEVEL,
-    workers: int | None = None,
-    progress: Progress | None = None,
-    limit: str | Limits = "",
-    implausible: bool = False,
+    case: AnyCase, test: AnyTest, *, progress: Progress | None = None, **options: Any
 ) -> ModelAgainstTest:
     """A case against measured cycles, or against a table of measured values: errors, bands
     and Fisher's test of adequacy.
@@ -118,18 +102,15 @@ def compare_with_test(
     ----------
     case : Case, name of a library case, or path of a case file
     test : MeasuredCycles, ValueTable, or the file of either
-    quantity : name of the curve of the model, where the file calls it otherwise
-    engine_speed : speed of the crank where the test does not state it, "4200 rpm", rad/s or a pint
-        quantity
-    models : a name of a spring model, or several, compared side by side; the case's own by
-        default
-    spring_sets : name of a spring set of a train, or several
-    sensor : gauge of the test, through which the model is seen before it is compared
-    fitted : parameters of the model that were found from this test
-    shared : standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the
-        zero, the calibration, the angle
-    level : share of adequate models that the test may refute
-    workers, progress, limit, implausible : as for :func:`simulate`
+    progress : called with the share done and a text
+    options : further fields of :class:`valvetrain.compare_test.request.CompareTest`:
+        ``quantity``, name of the curve of the model, where the file calls it otherwise;
+        ``engine_speed``, of the crank where the test does not state it, "4200 rpm", rad/s or a pint quantity;
+        ``sensor``, gauge of the test, through which the model is seen before it is compared;
+        ``fitted``, number of parameters of the model that were found from this test;
+        ``shared``, standard deviations of errors that all cycles share, "2 N, 0.5 %, 0.1 deg": of the zero, the
+        calibration, the angle;
+        ``models``, ``spring_sets``, ``workers``, ``limit`` and ``implausible`` as for :func:`simulate`
 
     Returns
     -------
@@ -152,22 +133,30 @@ def compare_with_test(
     >>> vt.compare_test.compare_with_test("job-t", cycles, models=["multi-mass"]).best.adequacy.adequate
     True
     """
-    chosen = case_of(case)
-    measured, speeds, notes = _read(chosen, test, quantity, engine_speed)
-    errors = read_shared(shared, measured.unit if isinstance(measured, MeasuredCycles) else "")
-    request = ComparisonRequest(measured, speeds, notes, errors, sensor, fitted, level)
+    return against_test(CompareTest.read({"case": case, "test": test, **options}), progress)
+
+
+def against_test(request: CompareTest, progress: Progress | None = None) -> ModelAgainstTest:
+    """As :func:`compare_with_test`, of a request."""
+    assert request.test is not None
+    case, models, sets = request.case, request.models, request.spring_sets
+    measured, speeds, notes = _read(case, request.test, request.quantity, request.engine_speed)
+    errors = read_shared(
+        request.shared, measured.unit if isinstance(measured, MeasuredCycles) else ""
+    )
+    judged = ComparisonRequest(measured, speeds, notes, errors, request.gauge, request.fitted)
     study = simulate(
-        chosen,
+        case,
         tuple(f"{speed!r} rad/s" for speed in speeds),
         models=models,
-        spring_sets=spring_sets,
-        workers=workers,
+        spring_sets=sets,
+        workers=request.workers,
         progress=progress,
-        limit=limit,
-        implausible=implausible,
+        limit=request.limit,
+        implausible=request.implausible,
     )
-    problem = build(chosen, spring_models=models, spring_set=spring_sets)
-    return judge_study(study, request, active_wire(problem))
+    problem = build(case, spring_models=models, spring_set=sets)
+    return judge_study(study, judged, active_wire(problem))
 
 
 def compare_study_with_test(

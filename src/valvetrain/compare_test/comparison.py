@@ -12,7 +12,6 @@ import numpy as np
 
 from valvetrain.arrays import Array, Flags
 from valvetrain.compare_test.adequacy import (
-    LEVEL,
     MIN_REPEATS,
     AdequacyTest,
     DifferenceBand,
@@ -58,29 +57,23 @@ class SharedErrors:
         rows = [self.offset * np.ones(len(curve)), self.gain * curve, self.cam_angle * slope]
         return np.array([row for row in rows if np.any(row)]).reshape(-1, len(curve))
 
-    def text(self, unit: str, factor: float = 1.0) -> str:
-        """The errors as text, the offset in ``unit``, which is ``factor`` of the SI unit."""
+    def text(self, unit: str) -> str:
+        """The errors as text, the offset in its SI ``unit``."""
         parts = [
-            f"offset {self.offset * factor:.3g} {unit}" if self.offset else "", f"gain {100 * self.gain:.3g} %" if self.gain else "",
+            f"offset {self.offset:.3g} {unit}" if self.offset else "", f"gain {100 * self.gain:.3g} %" if self.gain else "",
             f"angle {math.degrees(self.cam_angle):.3g} cam deg" if self.cam_angle else ""
         ]  # fmt: skip
         return ", ".join(filter(None, parts))
 
 
-def read_shared(texts: str | Sequence[str], unit: str) -> SharedErrors:
-    """Errors from texts such as ``"2 N, 0.5 %, 0.1 deg"``; ``unit``: SI unit of the quantity.
+def read_shared(texts: Sequence[str], unit: str) -> SharedErrors:
+    """Errors from texts such as ``("2 N", "0.5 %", "0.1 deg")``; ``unit``: SI unit of the quantity.
 
     Raises :class:`InputError` for an amount that is neither of the quantity, nor a share, nor an
     angle, or given twice.
     """
-    listed = [
-        part.strip()
-        for text in ([texts] if isinstance(texts, str) else texts)
-        for part in text.split(",")
-        if part.strip()
-    ]
     found: dict[str, float] = {}
-    for part in listed:
+    for part in texts:
         _, own = split_quantity(part, None, "shared")
         if own == "%":
             key = "gain"
@@ -120,11 +113,10 @@ class ComparisonRequest:
     shared : errors that all cycles share
     sensor : gauge through which the model is seen
     fitted : parameters of the model that were found from this test
-    level : share of adequate models that the test may refute
 
     Raises
     ------
-    InputError : a level or a number that is none, a gauge or shared errors of a table
+    InputError : a gauge or shared errors of a table
     """
 
     test: MeasuredCycles | ValueTable
@@ -133,18 +125,8 @@ class ComparisonRequest:
     shared: SharedErrors = SharedErrors()
     sensor: Sensor | None = None
     fitted: int = 0
-    level: float = LEVEL
 
     def __post_init__(self) -> None:
-        if not 0 < self.level < 1:
-            raise InputError(
-                f"the level {self.level!r:.20} is no chance; give one such as 0.05", "level"
-            )
-        if isinstance(self.fitted, bool) or not isinstance(self.fitted, int) or self.fitted < 0:
-            raise InputError(
-                f"'{self.fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...",
-                "fitted",
-            )
         if isinstance(self.test, MeasuredCycles):
             return
         if self.shared:
@@ -237,13 +219,13 @@ def against_cycles(
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve
     that the run does not have.
     """
-    trace, level = trace_of(run, cycles.quantity, active), request.level
+    trace = trace_of(run, cycles.quantity, active)
     if request.sensor is not None:
         trace = trace.through(request.sensor)
     curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
     weights, even = ring_weights(angle)
     common = request.shared.shapes(angle, curve)
-    band = difference_band(values, curve, level, common) if len(values) >= MIN_REPEATS else None
+    band = difference_band(values, curve, common) if len(values) >= MIN_REPEATS else None
     adequacy, without = None, ""
     try:
         adequacy = adequacy_test(
@@ -252,7 +234,6 @@ def against_cycles(
             weights,
             ring=even,
             fitted=request.fitted,
-            level=level,
             shared=tuple((common**2 @ weights).tolist()),
         )
     except InputError as error:
@@ -390,18 +371,14 @@ def _adequacy(
                 "values in several units have no common variance, so there is no F-test; give a table per unit"
             )
         matrix = np.array([measured.repeats for measured in values])[both].T
-        return adequacy_test(
-            matrix, np.array(modelled)[both], fitted=request.fitted, level=request.level
-        )
+        return adequacy_test(matrix, np.array(modelled)[both], fitted=request.fitted)
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
         raise InputError(
             "the run has none of these values, so there is no test; `valvetrain quantities` lists the names"
         )
     count = len(off)
-    return AdequacyTest(
-        float(np.mean(off**2)), 1.0, 0, count, float(count), request.fitted, request.level
-    )
+    return AdequacyTest(float(np.mean(off**2)), 1.0, 0, count, float(count), request.fitted)
 
 
 def _model_of(

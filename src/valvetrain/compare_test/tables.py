@@ -62,7 +62,7 @@ ADEQUACY: Columns = (
         for name, heading, key in (
             ("adequacy", "variance of adequacy, SI", "adequacy_variance"), ("reproducibility", "of reproducibility", "reproducibility_variance"),
             ("adequate", "agrees", ""), ("places", "places", ""), ("independent", "independent", "independent_places"), ("repeats", "repeats", ""),
-            ("fitted", "fitted", ""), ("level", "level", ""),
+            ("fitted", "fitted", ""),
             ("refutable", "", "refutable_rms")
         )
     )
@@ -133,7 +133,7 @@ def _run(run: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
         data["agreement"] = json_row(agreement_columns("", cam_speed), run)
     if run.band is not None:
         share = float(run.band.outside.mean())
-        data["band"] = {"factor": run.band.factor, "level": run.band.level, "share_outside": share}
+        data["band"] = {"factor": run.band.factor, "share_outside": share}
     for key, columns in (
         ("stages", stage_columns()),
         ("values", VALUES),
