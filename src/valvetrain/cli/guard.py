@@ -31,12 +31,6 @@ from valvetrain.solution.status import TRACEBACK_VARIABLE
 
 WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 INTERRUPTED_SENTENCE = "interrupted: nothing more is written; start the command again to repeat it"
-#: Arguments of functions, which errors name, -> options of commands.
-OPTION_OF = {
-    "tolerance": "--tolerance", "reference": "--reference", "draws": "--draws", "output": "--output", "dask": "--dask",
-    "channels": "--channel", "open_load": "--open-load", "models": "--model", "spring_models": "--model",
-    "engine_speeds": "--rpm",
-}  # fmt: skip
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []
 
@@ -158,7 +152,7 @@ def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
 def _report(error: Exception, options: Mapping[str, str], commands: Mapping[str, Any]) -> int:
     if isinstance(error, InputError):
         named = error.where.partition(" of a ")[0]
-        where = OPTION_OF.get(error.where) or options.get(named, error.where)
+        where = options.get(named, error.where)
         of_an_option = where in options.values()
         return _say(
             _by_options(error.reason, options) if of_an_option else error.reason, WRONG_INPUT, where
