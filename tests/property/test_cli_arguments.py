@@ -27,7 +27,7 @@ WORDS = st.one_of(
         (
             *typed("run compare sweep static modes runs compare-runs new cases check"),
             *typed("--json --quiet --limit --kind --set --rpm --to --steps --count"),
-            *typed("--compression --elements-per-coil --model --workers --output --no-report"),
+            *typed("--compression --model --workers --output --no-report"),
             *typed("job-c uniform-spring '4200 rpm' '7 mm' 8 -- - '' 'spring.pitch=7 mm'"),
             *typed("spring.total_coils=1e400 lift_law.power={a=1} published.0.role=x"),
             *typed("spring.options.finite-element.elements_per_coil=true spring=[[["),
@@ -101,7 +101,6 @@ def test_any_setting(command, case, path, value):
         [
             "--rpm",
             "--workers",
-            "--elements-per-coil",
             "--model",
             "--spring-set",
             "--output",

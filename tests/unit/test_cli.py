@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
+UNIFORM = ("uniform-spring", "--set", "spring.options.finite-element.elements_per_coil=8")
 
 
 COMMANDS = (
@@ -130,8 +130,10 @@ WRONG = [
     ("run", "job-c", "--set", "spring.wire_diameter=4 N"), ("run", "job-c", "--set", "spring.wire_diameter=4"),
     ("run", "job-c", "--set", "spring.mean_diameter=3.5 mm"), ("run", "job-c", "--set", "spring.total_coils.x=4"),
     ("run", "job-c", "--set", "sprung.x=4"), ("run", "job-c", "--set", "spring.pitch.coils.9=4"),
-    ("run", "job-c", "--set", "spring.options.finite-element.time_step="), ("run", "job-c", "--elements-per-coil", "2"),
-    ("run", "job-c", "--elements-per-coil", "many"), ("static", "uniform-spring", "--to", "40 mm"),
+    ("run", "job-c", "--set", "spring.options.finite-element.time_step="),
+    ("run", "job-c", "--set", "spring.options.finite-element.elements_per_coil=2"),
+    ("run", "job-c", "--set", "spring.options.finite-element.elements_per_coil=many"),
+    ("static", "uniform-spring", "--to", "40 mm"),
     ("static", "uniform-spring", "--to", "12"), ("static", "uniform-spring", "--to", "-1 mm"), ("static", "uniform-spring", "--steps", "1"),
     ("static", "uniform-spring", "--output", "/dev/null"), ("modes", "uniform-spring", "--count", "0"),
     ("modes", "uniform-spring", "--compression", "30 mm"), ("cases", "uniform"), ("check", "."), ("check", "x" * 5000), ("check", "a\0b"),
@@ -155,8 +157,12 @@ def test_a_set_value_loses_the_note_of_the_value_it_replaces():
     assert choose_case("gu2021-beehive").notes["spring.wire_diameter"].status == "identified"
     changed = choose_case(
         "gu2021-beehive",
-        ["spring.wire_diameter=4.1 mm", "spring.pitch=7 mm", "spring.damping.stiffness_share="],
-        10,
+        [
+            "spring.wire_diameter=4.1 mm",
+            "spring.pitch=7 mm",
+            "spring.damping.stiffness_share=",
+            "spring.options.finite-element.elements_per_coil=10",
+        ],
     )
     assert changed.notes["spring.wire_diameter"].status is None
     assert float(changed.spring.wire_diameter.value(1.0)) == pytest.approx(4.1e-3)

@@ -104,7 +104,7 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
         sys.executable,
         *MODULE,
         *typed(
-            "run small.toml --set operation.cycles=10000 --elements-per-coil 24 --limit '1 d, 1 TB'"
+            "run small.toml --set operation.cycles=10000 --set spring.options.finite-element.elements_per_coil=24 --limit '1 d, 1 TB'"
         ),
     ]
     before = sum(os.times()[2:4])

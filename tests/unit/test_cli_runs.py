@@ -183,7 +183,16 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
             ("sweep", "--rpm", "10:9000:1", "--set", "operation.cycles=3"),
             "beyond the bound of 10 min",
         ),
-        (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
+        (
+            (
+                "run",
+                "--set",
+                "spring.options.finite-element.elements_per_coil=24",
+                "--set",
+                "operation.cycles=10000",
+            ),
+            "--limit",
+        ),
         (
             (
                 *typed(
@@ -194,7 +203,12 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
             "beyond the bound",
         ),
         (
-            (*typed("run --model finite-element --elements-per-coil 1000 --limit '1 h'"), *RANGE),
+            (
+                *typed(
+                    "run --model finite-element --set spring.options.finite-element.elements_per_coil=1000 --limit '1 h'"
+                ),
+                *RANGE,
+            ),
             "GB",
         ),
     ],

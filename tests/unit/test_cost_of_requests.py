@@ -27,9 +27,26 @@ ELEMENTS, MASSES = (
         (("static", "job-t", "--steps", "100000000"), "TB'"),
         (("modes", "job-t", "--limit", "1 MB"), "--limit '"),
         (("modes", "job-t", "--model", "multi-mass", "--set", f"{MASSES}=2000"), "3 GB'"),
-        (("modes", "job-t", "--count", "100000", "--elements-per-coil", "240"), "min'"),
         (
-            ("static", "gu2021-beehive-blind", "--elements-per-coil", "1000", "--steps", "2000"),
+            (
+                "modes",
+                "job-t",
+                "--count",
+                "100000",
+                "--set",
+                "spring.options.finite-element.elements_per_coil=240",
+            ),
+            "min'",
+        ),
+        (
+            (
+                "static",
+                "gu2021-beehive-blind",
+                "--set",
+                "spring.options.finite-element.elements_per_coil=1000",
+                "--steps",
+                "2000",
+            ),
             "--limit '",
         ),
         (("refine", "job-t", "--rpm", "10:9000:1 rpm"), "--limit '"),
@@ -55,7 +72,9 @@ def test_numbers_that_no_computer_counts_to_are_refused():
     assert "2000" in sentence(
         call("static", "job-t", "--model", "multi-mass", "--set", f"{MASSES}=1000000")
     )
-    assert "1000" in sentence(call("static", "job-t", "--elements-per-coil", "100000"))
+    assert "1000" in sentence(
+        call("static", "job-t", "--set", "spring.options.finite-element.elements_per_coil=100000")
+    )
 
 
 def measured_job():

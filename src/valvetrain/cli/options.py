@@ -4,7 +4,6 @@ on.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -78,16 +77,8 @@ def read_workers(value: int | None, dask: str = "") -> int:
     return HELD[-1].enter_context(on_cluster(dask, count))
 
 
-#: What ``--elements-per-coil`` sets in the table of every spring.
-ELEMENTS = "options.finite-element.elements_per_coil"
-
-
-def choose_case(
-    name: str,
-    settings: Sequence[str] | None = None,
-    elements_per_coil: int | None = None,
-) -> Case:
-    """Load the case ``name`` with ``settings`` (``key.path=value``) and the mesh of ``--elements-per-coil``.
+def choose_case(name: str, settings: Sequence[str] | None = None) -> Case:
+    """Load the case ``name`` with ``settings`` (``key.path=value``).
 
     A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
     placed at its option, not at a line of the file.
@@ -100,32 +91,10 @@ def choose_case(
     for text in settings or ():
         path, value = read_assignment(text, "--set")
         changes[path], options[path] = value, f"--set {path}"
-    source = _source_of(name)
     try:
-        paths = () if elements_per_coil is None else _spring_paths(load_case(source).text)
-        for path in (f"{one}.{ELEMENTS}" for one in paths):
-            changes[path], options[path] = elements_per_coil, "--elements-per-coil"
-        return load_case(source, changes)
+        return load_case(_source_of(name), changes)
     except InputError as error:
         raise _placed(error, options) from None
-
-
-def _spring_paths(text: str) -> list[str]:
-    """Key paths of every spring of a case file."""
-    tree = tomllib.loads(text)
-    places = {"spring": tree.get("spring", {})} if "train" not in tree else {}
-    places |= {
-        f"train.springs.{name}": springs
-        for name, springs in tree.get("train", {}).get("springs", {}).items()
-    }
-    paths = []
-    for path, springs in places.items():
-        paths += (
-            [f"{path}.{place}" for place in range(len(springs))]
-            if isinstance(springs, list)
-            else [path]
-        )
-    return paths
 
 
 def folder_of(name: str) -> Path:

@@ -32,7 +32,6 @@ from valvetrain.runs.request_fields import (
     option,
     options_of,
     read_choice,
-    read_count,
     read_path,
     read_switch,
     read_text,
@@ -42,7 +41,6 @@ from valvetrain.runs.requests import ParallelRequest
 RequestOf = TypeVar("RequestOf", bound=Fields)
 LineOf = TypeVar("LineOf", bound="CommandLine")
 FieldsOf = TypeVar("FieldsOf", bound=Fields)
-MAX_ELEMENTS = 10**6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,22 +117,16 @@ class SavedLine(FolderLine):
         default=(),
         repeatable=True,
     )
-    elements_per_coil: int | None = option(
-        partial(read_count, 1, MAX_ELEMENTS),
-        "Finite elements per coil.",
-        "--elements-per-coil",
-        "N",
-    )
 
     def request(self, model: type[RequestOf], given: Mapping[str, Any]) -> tuple[RequestOf, Path]:
         """As that of the base class, of the case with its changes."""
         name, sets = given["case"], given.get("spring_sets") or ()
         if name is None:
-            if self.settings or self.elements_per_coil:
+            if self.settings:
                 raise InputError("values are changed of a case; name it with --case", "--set")
             return super().request(model, given)
         name_case(name, self.settings, [part for one in sets for part in ("--spring-set", one)])
-        case = choose_case(name, self.settings, self.elements_per_coil)
+        case = choose_case(name, self.settings)
         request = model.read({**given, "case": case}, flags=True)
         take_folder(self.output)
         return request, folder_of(name)
