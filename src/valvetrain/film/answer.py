@@ -15,7 +15,7 @@ from valvetrain.film.cycles import TURN, CoilPeak, mean_of
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.rules import RULES, FilmFacts, displacement, frequency, nearest, ratio, rpm
-from valvetrain.film.surge import BAND, SurgeLine
+from valvetrain.film.surge import BAND
 from valvetrain.findings.words import digits_text
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.json import json_estimate, json_fields
@@ -56,24 +56,11 @@ class PeakRow(NamedTuple):
         return percent(self.model_peak / mean - 1)
 
 
-class LineRow(NamedTuple):
-    """One surge line and its number, from 1."""
-
-    position: int
-    line: SurgeLine
-
-
 def peak_table(motion: CoilMotion, model: FilmedModel | None) -> list[PeakRow]:
     """Rows of the peaks along the spring."""
     if model is None:
         return [PeakRow(peak) for peak in motion.peaks]
     return [PeakRow(peak, float(model.peaks[peak.coil - 1])) for peak in motion.peaks]
-
-
-def line_table(motion: CoilMotion) -> list[LineRow]:
-    """Rows of the surge lines."""
-    lines = () if motion.surge is None else motion.surge.lines
-    return [LineRow(index, peak) for index, peak in enumerate(lines, start=1)]
 
 
 PEAK_COLUMNS: list[RowColumn] = [
@@ -90,25 +77,19 @@ MODEL_COLUMNS: list[RowColumn] = [
     RowColumn("model less film", lambda row: row.model_difference),
 ]
 LINE_COLUMNS: list[RowColumn] = [
-    RowColumn("line", lambda row: str(row.position)),
     RowColumn(
-        "frequency", lambda row: f"{digits_text(row.line.natural_frequency, row.line.frequency_spread, 7)} Hz",
-        lambda row: json_estimate((row.line.natural_frequency, row.line.frequency_spread)), "frequency"
+        "frequency", lambda row: f"{digits_text(row.natural_frequency, row.frequency_spread, 7)} Hz",
+        lambda row: json_estimate((row.natural_frequency, row.frequency_spread)), "frequency"
     ),
-    RowColumn("95 %, ±", lambda row: f"{digits_text(BAND * row.line.frequency_spread, 0, 2)} Hz"),
+    RowColumn("95 %, ±", lambda row: f"{digits_text(BAND * row.frequency_spread, 0, 2)} Hz"),
     RowColumn(
-        "damping ratio", lambda row: digits_text(row.line.damping_ratio, row.line.damping_spread, 7),
-        lambda row: json_estimate((row.line.damping_ratio, row.line.damping_spread)), "damping_ratio"
+        "damping ratio", lambda row: digits_text(row.damping_ratio, row.damping_spread, 7),
+        lambda row: json_estimate((row.damping_ratio, row.damping_spread)), "damping_ratio"
     ),
-    RowColumn("95 %, ±", lambda row: digits_text(BAND * row.line.damping_spread, 0, 2)),
-    RowColumn("decay rate", lambda row: f"{digits_text(row.line.decay_rate)} 1/s", "line.decay_rate", "decay_rate"),
-    RowColumn("amplitude", None, "line.amplitude", "amplitude", quantity=LENGTH)
+    RowColumn("95 %, ±", lambda row: digits_text(BAND * row.damping_spread, 0, 2)),
+    RowColumn("decay rate", lambda row: f"{digits_text(row.decay_rate)} 1/s", "decay_rate", "decay_rate"),
+    RowColumn("amplitude", None, "amplitude", "amplitude", quantity=LENGTH)
 ]  # fmt: skip
-
-
-def peak_columns(model: FilmedModel | None) -> list[RowColumn]:
-    """Columns of the peaks, those of a compared model included."""
-    return PEAK_COLUMNS if model is None else [*PEAK_COLUMNS, *MODEL_COLUMNS]
 
 
 #: Coils and surge lines in the first table at most.
@@ -180,9 +161,10 @@ class FilmAnswer(ShownByRules):
     def tables(self) -> Mapping[str, TextTable]:
         """All peaks and surge lines, by the columns that JSON and CSV have."""
         peaks = peak_table(self.motion, self.model)
+        columns = PEAK_COLUMNS if self.model is None else [*PEAK_COLUMNS, *MODEL_COLUMNS]
         return {
-            "peaks": table_of("Peaks along the spring", peak_columns(self.model), peaks, self.words),
-            "surge": table_of("Surge lines", LINE_COLUMNS, line_table(self.motion), self.words)
+            "peaks": table_of("Peaks along the spring", columns, peaks, self.words),
+            "surge": table_of("Surge lines", LINE_COLUMNS, self.facts.lines, self.words)
         }  # fmt: skip
 
     def write(self, folder: Path) -> list[Path]:
@@ -272,7 +254,7 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
             "value": motion.phase.cam_speed, "standard_deviation": motion.phase.spread, "by": motion.phase.by},
         "dwell": None if motion.dwell is None else list(motion.dwell),
         "peaks": [json_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)],
-        "surge_lines": [json_row(LINE_COLUMNS, row) for row in line_table(motion)],
+        "surge_lines": [json_row(LINE_COLUMNS, row) for row in FilmFacts(motion).lines],
         "notes": list(motion.notes)
     }  # fmt: skip
     if model is not None:
