@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
@@ -74,9 +73,6 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
             facts.append((f"springs '{train.spring_set}'", "; ".join(texts)))
         for spring in springs:
             facts += _split_loads(spring)
-    if case.springs:
-        cycles = case.operation.cycles or "until the motion repeats"
-        facts.append(("cam revolutions", f"{cycles}, the last one reported"))
     if case.points:
         facts.append(
             (
@@ -85,19 +81,6 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
                     f"{name.replace('_', ' ')} at coil {coil:g}"
                     for name, coil in case.points.items()
                 ),
-            )
-        )
-    if case.published:
-        roles = Counter(value.role for value in case.published)
-        facts.append(
-            ("published values", ", ".join(f"{count} for {role}" for role, count in roles.items()))
-        )
-    statuses = Counter(note.status for note in case.notes.values() if note.status)
-    if statuses:
-        facts.append(
-            (
-                "status of values",
-                ", ".join(f"{count} {status}" for status, count in statuses.items()),
             )
         )
     return facts
