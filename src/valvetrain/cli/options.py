@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from valvetrain.cli.outcome import HELD, at_end
 from valvetrain.errors import InputError
-from valvetrain.runs import request_fields
-from valvetrain.runs.requests import MAX_WORKERS
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -67,9 +65,7 @@ def read_workers(value: int | None, dask: str = "") -> int:
     """
     from valvetrain.runs.workers import available_cores
 
-    count = min(4, available_cores())
-    if value is not None:
-        count = request_fields.read_count(1, MAX_WORKERS, value, "--workers")
+    count = value or min(4, available_cores())
     if not dask:
         return count
     from valvetrain.runs.cluster import on_cluster

@@ -220,24 +220,11 @@ def plain(item: Any) -> Any:
     return str(item)
 
 
-def plain_table(
-    headers: Sequence[str],
-    rows: Iterable[Sequence[str]],
-    title: str = "",
-    right: Sequence[int] = (),
-) -> Table:
-    """A table without frames; ``right`` are the columns of numbers."""
-    table = Table(
-        title=title or None,
-        box=None,
-        pad_edge=False,
-        padding=(0, 2, 0, 0),
-        title_justify="left",
-        title_style="bold",
-        show_header=any(headers),
-    )
-    for place, header in enumerate(headers):
-        table.add_column(header, justify="right" if place in right else "left", overflow="fold")
+def plain_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+    """A table without frames."""
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=any(headers))
+    for header in headers:
+        table.add_column(header, overflow="fold")
     for row in rows:
         table.add_row(*row)
     return table
