@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
@@ -29,14 +28,6 @@ def screen(answer: Shown, page: str = "", folder: str = "") -> RenderableType:
     ``folder`` of the files where no page was written.
     """
     return Group(*_parts(answer, page, folder))
-
-
-def plain(answer: Shown, page: str = "", width: int = 100) -> str:
-    """The screen as plain text of ``width`` columns."""
-    console = Console(width=width, file=io.StringIO(), force_terminal=False)
-    with console.capture() as capture:
-        console.print(screen(answer, page), crop=False)
-    return "\n".join(line.rstrip() for line in capture.get().splitlines())
 
 
 def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
