@@ -12,6 +12,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call, sentence
+from valvetrain.cli.case_facts import case_facts
 from valvetrain.parameters.card_case import card_case_text, questions_of
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import QUESTIONS, TRAINS
@@ -38,6 +39,7 @@ def test_answers_arrive_and_the_rest_is_assumed(kind):
     assumed = case.record().assumed
     assert {"spring mass", "spring damping", "duration"} <= set(assumed)
     assert not {"valve mass", "spring preload", "valve lift"} & set(assumed)
+    assert dict(case_facts(case))["assumed"].split(", ") == list(assumed)
     run = vt.Case(case).run("3000 rpm", "massless")
     assert run.quantities["peak_valve_lift"] == pytest.approx(0.472 * INCH, rel=0.05)
 

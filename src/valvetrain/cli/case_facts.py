@@ -83,6 +83,8 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
                 ),
             )
         )
+    if assumed := case.record().assumed:
+        facts.append(("assumed", ", ".join(assumed)))
     return facts
 
 
