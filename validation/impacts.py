@@ -1,5 +1,5 @@
-"""Masses that a moving surface strikes once a turn, and their orbits in closed form: a published cam with its follower, and the
-impact oscillator. It knows nothing of the package.
+"""Masses that a moving surface strikes once a turn, and their orbits in closed form: a published cam with its follower, the
+impact oscillator, and two masses in line. It knows nothing of the package.
 
 An orbit is a free flight of one turn that begins and ends on the surface.
 """
@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import expm
 from scipy.optimize import brentq
 
 Array = NDArray[np.float64]
@@ -184,3 +185,92 @@ class Bouncer:
             for step in steps
         ]  # fmt: skip
         return largest_first(np.array(columns).T)
+
+
+@dataclass(frozen=True)
+class TwoMasses:
+    """Two equal masses in line on equal springs, the first of them tied to the ground and driven; it strikes a stop that stands
+    where the masses rest. Lengths in ``size`` (m), times over the natural frequency ``natural`` (rad/s) of a mass on a spring.
+
+    The unknowns are those of the free masses, beside the driven motion: places and velocities of both (4,).
+    """
+
+    drive: float
+    damping: float
+    restitution: float
+    size: float = 1e-3
+    natural: float = 100.0
+
+    #: Stiffness of the springs over that of the first.
+    springs = np.array([[2.0, -1.0], [-1.0, 1.0]])
+
+    @property
+    def turn(self) -> float:
+        return TURN / self.drive
+
+    @property
+    def rates(self) -> Array:
+        """Of the unknowns (4, 4)."""
+        low = np.hstack((-self.springs, -2 * self.damping * self.springs))
+        return np.vstack((np.eye(2, 4, 2), low))
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        """Height (m) of the stop beside the driven motion, or a derivative by the angle of the drive."""
+        yields = (1 + 2j * self.damping * self.drive) * self.springs - self.drive**2 * np.eye(2)
+        driven = np.linalg.solve(yields, [1.0, 0.0])[0]
+        turned = np.exp(1j * np.asarray(cam_angle, dtype=float)) * 1j**derivative
+        return np.asarray(-self.size * (driven * turned).real)
+
+    def stop(self, time: float, derivative: int) -> float:
+        """Derivative by time of the stop's height, in sizes."""
+        return float(self.lift(self.drive * time, derivative)) * self.drive**derivative / self.size
+
+    @property
+    def blow(self) -> Array:
+        """What an impact on a stop at rest makes of the unknowns (4, 4)."""
+        return np.diag([1.0, 1.0, -self.restitution, 1.0])
+
+    def before(self, time: float) -> Array:
+        """Unknowns before an impact that comes once a turn."""
+        pushed = (1 + self.restitution) * self.stop(time, 1) * np.eye(4)[2]
+        free = expm(self.turn * self.rates)
+        return np.asarray(np.linalg.solve(np.eye(4) - free @ self.blow, free @ pushed))
+
+    def after(self, time: float) -> Array:
+        """Unknowns after it."""
+        pushed = (1 + self.restitution) * self.stop(time, 1) * np.eye(4)[2]
+        return np.asarray(self.blow @ self.before(time) + pushed)
+
+    def impact(self) -> float:
+        """Time of the only impact in a turn, from which the mass stays above the stop till the next."""
+
+        def apart(time: float) -> float:
+            return float(self.before(time)[0]) - self.stop(time, 0)
+
+        times, found = np.linspace(0.0, self.turn, 361), list[float]()
+        values = [apart(time) for time in times]
+        for k in np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:])):
+            time = float(brentq(apart, times[k], times[k + 1], xtol=1e-14))
+            later = self.turn * np.arange(1, 400) / 400
+            heights = [(expm(t * self.rates) @ self.after(time))[0] - self.stop(time + t, 0) for t in later]  # fmt: skip
+            if self.before(time)[2] < self.stop(time, 1) and min(heights) > 0:
+                found.append(time)
+        (only,) = found
+        return only
+
+    def at_zero(self) -> Array:
+        """Places (m) and velocities (m/s) at angle zero."""
+        time = self.impact()
+        scale = self.size * np.array([1.0, 1.0, self.natural, self.natural])
+        return np.asarray(scale * (expm((self.turn - time) * self.rates) @ self.after(time)))
+
+    def known_multipliers(self) -> NDArray[np.complex128]:
+        """Of the orbit: the free turn, then the impact, which comes earlier or later for a disturbed motion
+        (saltation matrix).
+        """
+        time = self.impact()
+        before, after, blow = self.before(time), self.after(time), self.blow
+        pushed = (1 + self.restitution) * self.stop(time, 2) * np.eye(4)[2]
+        late = self.rates @ after - blow @ self.rates @ before - pushed
+        slope = blow + np.outer(late, np.eye(4)[0]) / (before[2] - self.stop(time, 1))
+        return largest_first(slope @ expm(self.turn * self.rates))

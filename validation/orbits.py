@@ -1,34 +1,31 @@
-"""Orbits with an impact in every turn: a published cam and follower, and the impact oscillator; their multipliers, and the speeds
-at which they appear and lose stability.
+"""Orbits with an impact in every turn: a published cam and follower, the impact oscillator, and two masses in line; their
+multipliers, and the speeds at which they appear and lose stability.
 
-Both have a closed form: a free flight of one turn that begins and ends on the moving surface. The package's contact has a stiffness,
+All have a closed form: a free flight of one turn that begins and ends on the moving surface. The package's contact has a stiffness,
 so that an impact lasts a little; its restitution does not depend on the speed.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from validation.impacts import TURN, ArcCam, Bouncer, Stop, largest_first
+from validation.impacts import TURN, ArcCam, Bouncer, Stop, TwoMasses, largest_first
 from validation.row import Row, book_case
 from validation.springs import spring
-from valvetrain.contact.dissipative import Flores, damping_number
+from validation.struck import Orbit, orbit, train, two_masses
 from valvetrain.errors import InputError
-from valvetrain.integrate.multipliers import DISTURBANCE, multipliers
+from valvetrain.integrate.multipliers import loss_of_stability
 from valvetrain.integrate.steady import repeat_cycles
 from valvetrain.integrate.train_record import TrainOptions
 from valvetrain.integrate.train_run import runner
-from valvetrain.integrate.train_steady import scaled_cycle
-from valvetrain.mechanism.contour import lift_table
-from valvetrain.mechanism.gap_kinds import CAM_LIFT, LINEAR
-from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
+from valvetrain.integrate.train_steady import scaled_cycle, steady_train
+from valvetrain.solution.branches import Branches, BranchPoint
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
 RESTITUTION = 0.8
@@ -36,64 +33,10 @@ RESTITUTION = 0.8
 MASS, RATE, RAISED = 1.221, 1430.8, 0.1
 
 
-def train(bouncer: Bouncer) -> TrainSystem:
-    """A struck mass as a train of the package; the restitution of its contact does not depend on the speed."""
-    number = damping_number(bouncer.restitution)
-    law = Flores(bouncer.stiffness, 1.6 / (1.6 + number))
-    link = ElasticLink(bouncer.rate, 2 * bouncer.damping * math.sqrt(bouncer.rate * bouncer.mass))
-    interactions = (
-        Interaction("cam", CAM_LIFT, ("valve",), (0.0, 1.0, 0.0, 0.0, 0.0, 1.0), law, "cam lift"),
-        Interaction("spring", LINEAR, ("valve",), (bouncer.raised, 1.0), link),
-    )
-    tables = {"cam lift": lift_table(bouncer.surface)}
-    body = Coordinate("valve", bouncer.mass)
-    return TrainSystem(
-        AssembledMechanism("follower", (body,), interactions, tables, "valve", "valve")
-    )
-
-
-@dataclass(frozen=True)
-class Orbit:
-    """An orbit of the package: its state at angle zero (height over the surface's zero, velocity), the slopes of the turn's
-    map there, and the multipliers that the package finds.
-    """
-
-    state: Array
-    slopes: Array
-    multipliers: NDArray[np.complex128]
-
-
 def known_start(bouncer: Bouncer, impact: Array, cam_speed: float) -> Array:
     """State at angle zero (height over the surface's zero, velocity) of the flight that an impact begins."""
     left = bouncer.leaving(impact[0], impact[1], cam_speed)
     return bouncer.flight(left, TURN / cam_speed - impact[0]) - [bouncer.raised, 0.0]
-
-
-def orbit(bouncer: Bouncer, cam_speed: float, start: Array, size: float) -> Orbit:
-    """The package's orbit near a state at angle zero, by Newton's method on its cycle map.
-
-    ``size`` (m): of the motion; the slopes for the search are taken over a hundredth of it, as those for multipliers.
-    Raises InputError where none is found.
-    """
-    ready = runner(
-        train(bouncer), cam_speed, TrainOptions(samples=1440, step_fraction=0.1, impact_steps=64)
-    )
-    cycle, _, weights = scaled_cycle(ready, ready.initial_state())
-    scale = float(weights[0]) * size
-    state = start * weights
-    for _ in range(20):
-        left = (cycle(state) - state) / scale
-        if not np.all(np.isfinite(left)) or np.max(np.abs(left)) > 10:
-            break
-        steps = 0.01 * scale * np.eye(2)
-        slopes = np.array(
-            [(cycle(state + step) - cycle(state - step)) / (0.02 * scale) for step in steps]
-        ).T
-        if np.max(np.abs(left)) < 2e-5:
-            found = multipliers(cycle, state, np.eye(2), disturbance=DISTURBANCE * scale)
-            return Orbit(state / weights, slopes, found)
-        state = state - np.linalg.solve(slopes - np.eye(2), left * scale)
-    raise InputError(f"no orbit near the known one at {cam_speed * 30 / math.pi:g} rpm")
 
 
 def impact_angle(bouncer: Bouncer, state: Array, cam_speed: float, near: float) -> float:
@@ -129,7 +72,7 @@ def followed(which: int, *speeds: float) -> Orbit:
     for value in speeds:
         impact = FOLLOWER.impacts(rpm(value), 1e-3, math.pi / 2)[which]
         known = known_start(FOLLOWER, impact, rpm(value))
-        found = orbit(FOLLOWER, rpm(value), known + offset, SIZE)
+        found = orbit(train(FOLLOWER), rpm(value), known + offset, SIZE)
         offset = found.state - known
     return found
 
@@ -201,7 +144,7 @@ def _lowest(state: Array, value: float) -> float:
     step = 4.0
     while step > 0.05:
         try:
-            state = orbit(FOLLOWER, rpm(value - step), state, SIZE).state
+            state = orbit(train(FOLLOWER), rpm(value - step), state, SIZE).state
             value -= step
         except InputError:
             step /= 2
@@ -247,7 +190,7 @@ def impact_oscillator() -> list[Row]:
         built, speed, impact = oscillator(*numbers)
         size = abs(impact[1]) / built.natural / 3
         known = built.known_multipliers(impact, speed)
-        found = orbit(built, speed, known_start(built, impact, speed), size)
+        found = orbit(train(built), speed, known_start(built, impact, speed), size)
         angles = impact[0] * speed, impact_angle(built, found.state, speed, impact[0] * speed)
         row(
             f"phase of the impact at drive {numbers[1]:g}",
@@ -282,7 +225,9 @@ def impact_oscillator() -> list[Row]:
     def computed(drive: float) -> float:
         built, speed, impact = oscillator(0.02, drive, 0.0, 0.8)
         size = abs(impact[1]) / built.natural / 3
-        return doubling(orbit(built, speed, known_start(built, impact, speed), size).multipliers)
+        return doubling(
+            orbit(train(built), speed, known_start(built, impact, speed), size).multipliers
+        )
 
     about = "damping 0.02, gap 0, restitution 0.8"
     flips = tuple(
@@ -304,6 +249,100 @@ def impact_oscillator() -> list[Row]:
             1e-9,
             "a whole number",
         )
+    return rows
+
+
+@book_case()
+def grazing_oscillator() -> list[Row]:
+    """The impact oscillator as its drive falls towards resonance: the motion without impacts ends where it touches the stop."""
+    damping, gap, restitution = 0.05, 0.5, 0.6
+
+    def swings(drive: float) -> float:
+        return 1 / math.hypot(1 - drive**2, 2 * damping * drive)
+
+    known = float(brentq(lambda drive: swings(drive) - gap, 1.2, 5.0, xtol=1e-12))
+    points, before = list[BranchPoint](), None
+    for drive in known * np.arange(1.01, 0.99, -0.0004):
+        built = Bouncer(Stop(drive, damping), 1.0, 1e4, damping, -gap * 1e-3, restitution, 1e14)
+        options = TrainOptions(samples=1440, step_fraction=0.1, impact_steps=64)
+        ready = runner(train(built), 100 * drive, options)
+        settled = steady_train(ready, start=before, tolerance=1e-6, compared=False, probed=False)
+        landings, before = (settled.record.transitions.landings,), settled.orbit
+        points.append(
+            BranchPoint(
+                drive, False, settled.search.period, (settled.start.q[0],), landings=landings
+            )
+        )
+    about = f"damping {damping:g}, gap {gap:g}, restitution {restitution:g}"
+    (found,) = Branches("oscillator", "loft_gap", tuple(points), 0).grazing
+    middle = (found.lower_engine_speed + found.upper_engine_speed) / 2
+    name, why = (
+        "impact oscillator, drive at which a motion grazes the stop",
+        "half a step of the march",
+    )
+    return [Row("orbits", name, "budd1995", about, known, middle, "-", 0.0003 * known, why)]
+
+
+@book_case()
+def two_masses_in_line() -> list[Row]:
+    """Two masses of which one strikes a stop: the orbit of one impact a turn loses stability to a torus."""
+    damping, restitution = 0.02, 0.8
+    about = "equal masses and springs, the first driven and struck where it rests, damping 0.02, restitution 0.8"
+    rows: list[Row] = []
+
+    def row(what: str, values: tuple[float, float], unit: str, tolerance: float, why: str) -> None:
+        name = f"two masses in line, {what}"
+        rows.append(Row("orbits", name, "luo1998", about, *values, unit, tolerance, why))
+
+    def computed(drive: float) -> Orbit:
+        known = TwoMasses(drive, damping, restitution)
+        start = known.at_zero()
+        return orbit(two_masses(known), drive * known.natural, start, float(abs(start[0])))
+
+    known, found = TwoMasses(2.5, damping, restitution), computed(2.5)
+    first = known.known_multipliers()[0], found.multipliers[0]
+    row(
+        "size of the pair at drive 2.5",
+        (abs(first[0]), abs(first[1])),
+        "-",
+        0.01 * abs(first[0]),
+        "required: 1 %",
+    )
+    angles = abs(np.angle(first[0])), abs(np.angle(first[1]))
+    row(
+        "angle of the pair at drive 2.5",
+        (float(angles[0]), float(angles[1])),
+        "rad",
+        0.005 * float(angles[0]),
+        "0.5 %",
+    )
+    product = restitution**2 * math.exp(np.trace(known.rates) * known.turn)
+    row(
+        "product of multipliers at drive 2.5",
+        (product, float(np.linalg.det(found.slopes))),
+        "-",
+        0.005 * product,
+        "0.5 %",
+    )
+
+    def begins(rule: Callable[[float], NDArray[np.complex128]]) -> float:
+        return float(brentq(lambda drive: abs(rule(drive)[0]) - 1, 2.5, 2.58, xtol=1e-5))
+
+    limits = (
+        begins(lambda drive: TwoMasses(drive, damping, restitution).known_multipliers()),
+        begins(lambda drive: computed(drive).multipliers),
+    )
+    row(
+        "drive at which the torus begins",
+        limits,
+        "-",
+        0.001 * limits[0],
+        "required: 0.1 %",
+    )
+    for share, named in ((0.995, ""), (1.005, "torus")):
+        verdict = loss_of_stability(computed(share * limits[0]).multipliers[0])
+        what = f"named '{named or 'stable'}' at {share:g} of that drive"
+        row(what, (1.0, float(verdict == named)), "-", 1e-9, "the word of the verdict")
     return rows
 
 

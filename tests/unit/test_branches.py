@@ -5,14 +5,20 @@ plain revolutions (limit).
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain.errors import InputError
+from valvetrain.integrate.steady import SteadyState
+from valvetrain.runs import branch_march
+from valvetrain.runs.branch_march import DISTURBANCES
 from valvetrain.solution.branches import Branches, BranchPoint
 from valvetrain.solution.critical import RPM
 from valvetrain.views.branches import BranchesAnswer
@@ -87,6 +93,65 @@ def test_a_march_shows_the_hysteresis_that_plain_revolutions_show(marched: Branc
     assert down.values[0] == pytest.approx(2.48e-3, abs=0.02e-3)
     slow = [one.multiplier for one in marched.points if one.multiplier == one.multiplier]
     assert slow and all(0.3 < one < 1 for one in slow)
+
+
+def landing(rpm: float, rising: bool, count: int, **more: object) -> BranchPoint:
+    return point(rpm, rising, 1e-3, landings=(count,), **more)
+
+
+def test_a_landing_gained_or_lost_is_a_grazing_between_its_speeds() -> None:
+    """An unstable orbit, a motion of two revolutions and one that never repeats tell nothing of it."""
+    march = (
+        landing(100, True, 2), landing(200, True, 2), landing(300, True, 3), landing(300, False, 3), landing(200, False, 2),
+        landing(400, True, 5, repels="flip"), point(500, True, 1e-3, 2, landings=(3, 4)), point(600, True, 1e-3, 0, landings=(9,) * 5),
+    )  # fmt: skip
+    found = Branches("own", "loft_gap", march, 9)
+    assert ends(found.grazing) == [pytest.approx((200, 300))]
+    assert "W215" in BranchesAnswer(found).findings.codes
+    assert not Branches("own", "loft_gap", march[:2], 9).grazing
+    assert BranchesAnswer(Branches("own", "loft_gap", march[:2], 9)).findings.codes == ("W203",)
+
+
+def test_an_orbit_whose_stability_is_not_resolved_is_said_to_be_so_without_a_number() -> None:
+    points = (
+        point(100, True, 1e-3),
+        point(200, True, 1e-3, repels="unresolved"),
+        point(200, True, 2e-3, 2),
+    )
+    found = Branches("own", "loft_gap", points, 9)
+    assert ends(found.ranges("unresolved")) == [pytest.approx((200, 200))]
+    assert found.attracting(True) == (points[0], points[2])
+    assert BranchesAnswer(found).findings.codes == ("W211", "W213")
+    assert found.to_records()[1]["multiplier"] is None
+    figure = found.plot()
+    assert "stability not resolved" in {one.name for one in figure.data}
+
+
+#: Multipliers of an orbit by the smaller and the larger disturbance, and what is said of it.
+JUDGED = {
+    "attracts": (0.47, 0.48, ""), "flips": (-1.75, -1.78, "flip"), "straddles": (0.83, 1.06, "unresolved"),
+    "moves too far": (0.48, 0.94, "unresolved"), "repels, moves too far": (1.11, 1.6, "unresolved"), "fails": (0.4, math.nan, "unresolved"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JUDGED)
+def test_stability_is_resolved_where_the_size_of_the_disturbance_does_not_matter(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small, large, word = JUDGED[name]
+    sizes = {DISTURBANCES[0]: small, DISTURBANCES[1]: large}
+    monkeypatch.setattr(
+        branch_march, "train_multipliers", lambda _, size: np.array([sizes[size] + 0j])
+    )
+    monkeypatch.setattr(branch_march._March, "_value", lambda *_: (1e-3, 2, None))
+    search = SteadyState(np.zeros(1), (1.0, 0.5), 1, 2, "anderson", 1e-6)
+    march = branch_march._March(None, "loft_gap", True, None)  # type: ignore[arg-type]
+    assert march._attracts(100.0, SimpleNamespace(search=search, runner=None, start=None)) is (
+        not word
+    )  # type: ignore[arg-type]
+    (judged,) = march.points
+    assert judged.repels == word
+    assert math.isnan(judged.multiplier) == (word == "unresolved")
 
 
 def test_a_march_ends_within_its_revolutions() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.findings.engine import Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, joined, speed_text
-from valvetrain.solution.branches import DIFFERS, Branches
+from valvetrain.solution.branches import DIFFERS, UNRESOLVED, Branches
 from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.definition import definition_of, label_of
 
@@ -101,6 +101,12 @@ def cut(facts: BranchFacts) -> Hits:
         yield Hit(fields={"count": str(facts.branches.revolutions)})
 
 
+def grazes(facts: BranchFacts) -> Hits:
+    """A contact begins or ends between two speeds."""
+    if spans := facts.branches.grazing:
+        yield Hit(fields={"spans": spans_text(spans)})
+
+
 SWEEP, RUN = "[valvetrain sweep {case}]", "[valvetrain run {case} --rpm {first}]"
 BY = "{name} differs by up to {value}"
 RULES = (
@@ -115,6 +121,9 @@ RULES = (
          moves(*(f"period {count}" for count in range(2, 9))), (), BY, RUN, mark="warn", unless=("W204",)),
     Rule("W212", "decides", "the motion does not repeat at {spans} rpm, but disturbances do not grow", moves("irregular"), (), BY, RUN,
          mark="warn", unless=("W204",)),
+    Rule("W213", "warns", "whether the motion at {spans} rpm is stable is not resolved", moves(UNRESOLVED), (),
+         "its multiplier depends on the size of the disturbance", RUN, unless=("W204",)),
+    Rule("W215", "notes", "a contact of the motion just begins or ends (grazing) at {spans} rpm", grazes, ()),
     Rule("W214", "warns", "the march ended after {count} revolutions, before all speeds", cut,
          step="allow more revolutions, or march fewer speeds"),
 )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.integrate.contract import Orbit
-from valvetrain.integrate.multipliers import ComplexArray, multipliers
+from valvetrain.integrate.multipliers import DISTURBANCE, ComplexArray, multipliers
 from valvetrain.integrate.spring_return import rigid_motion, spring_basis, spring_return
 from valvetrain.integrate.steady import (
     FAST,
@@ -260,10 +260,11 @@ def unscaled(runner: TrainRunner, template: TrainState, scaled: Array) -> TrainS
     return _unpack(scaled / np.where(weights > 0, weights, 1.0), template, runner)
 
 
-def train_multipliers(settled: SteadyTrain) -> ComplexArray:
+def train_multipliers(settled: SteadyTrain, disturbance: float = DISTURBANCE) -> ComplexArray:
     """The largest multipliers of the orbit of a train, the largest first; see :func:`multipliers`."""
     cycle, orbit, weights = scaled_cycle(settled.runner, settled.start)
-    return multipliers(cycle, orbit, spring_basis(settled.runner, weights))
+    basis = spring_basis(settled.runner, weights)
+    return multipliers(cycle, orbit, basis, disturbance=disturbance)
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:

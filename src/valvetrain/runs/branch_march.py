@@ -10,7 +10,12 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Orbit
-from valvetrain.integrate.multipliers import DIRECTIONS, loss_of_stability, lyapunov_exponent
+from valvetrain.integrate.multipliers import (
+    DIRECTIONS,
+    DISTURBANCE,
+    loss_of_stability,
+    lyapunov_exponent,
+)
 from valvetrain.integrate.steady import FAST, repeat_cycles
 from valvetrain.integrate.train_record import TrainOptions, TrainState
 from valvetrain.integrate.train_run import TrainRunner, runner
@@ -28,13 +33,16 @@ from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.requests import MARCHED
 from valvetrain.runs.train_runs import prepare_trains
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.branches import Branches, BranchPoint
+from valvetrain.solution.branches import UNRESOLVED, Branches, BranchPoint
 from valvetrain.solution.status import PartialFailures
 from valvetrain.springs.own_spring import model_names
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, as_names, known_arguments, si_speeds
 
+#: Sizes of the disturbances by which an orbit's stability is judged. It is resolved where twice the difference of their
+#: multipliers is less than what the nearer one lacks to 1: where an impact is gained or lost, they differ by up to 0.6.
+DISTURBANCES = DISTURBANCE, 3 * DISTURBANCE
 #: Samples of a revolution; the search of an orbit: change of a cycle, and most cycles.
 SAMPLES, ORBIT_TOLERANCE, ORBIT_CYCLES = 720, 1e-6, 40
 #: Plain revolutions in which a motion settles that no orbit attracts, and the change of a cycle at which it repeats.
@@ -91,32 +99,41 @@ class _March:
         """Add an orbit; whether it attracts, by its multipliers unless its cycles approach it fast."""
         size, repels = math.nan, ""
         if settled.search.contraction > FAST:
-            largest = complex(train_multipliers(settled)[0])
-            self.revolutions += 2 * DIRECTIONS
-            size, repels = abs(largest), loss_of_stability(largest)
-        values = (self._value(settled.runner, settled.start)[0],)
-        self.points.append(BranchPoint(engine_speed, self.rising, 1, values, repels, size))
+            largest, other = (complex(train_multipliers(settled, one)[0]) for one in DISTURBANCES)
+            self.revolutions += 2 * DIRECTIONS * len(DISTURBANCES)
+            size, repels = math.nan, UNRESOLVED
+            if 2 * abs(abs(largest) - abs(other)) < min(abs(abs(largest) - 1), abs(abs(other) - 1)):
+                size, repels = abs(largest), loss_of_stability(largest)
+        value, landings, _ = self._value(settled.runner, settled.start)
+        self.points.append(
+            BranchPoint(engine_speed, self.rising, 1, (value,), repels, size, landings=(landings,))
+        )
         return not repels
 
     def _plain(self, engine_speed: float, train: TrainRunner, motion: Orbit, period: int) -> None:
         """Add the motion that plain revolutions end on, which repeats after ``period`` of them or never."""
-        values, exponent, state = list[float](), math.nan, motion.state
+        values, landings, exponent, state = list[float](), list[int](), math.nan, motion.state
         for _ in range(period or SHOWN):
-            value, state = self._value(train, state)
+            value, landed, state = self._value(train, state)
             values.append(value)
+            landings.append(landed)
         self.revolutions += len(values)
         if not period:
             cycle, scaled, _ = scaled_cycle(train, state)
             exponent = lyapunov_exponent(cycle, scaled, GROWTH)
             self.revolutions += 2 * GROWTH
-        point = BranchPoint(engine_speed, self.rising, period, tuple(values), exponent=exponent)
-        self.points.append(point)
+        self.points.append(
+            BranchPoint(
+                engine_speed, self.rising, period, tuple(values), exponent=exponent, landings=tuple(landings)
+            )
+        )  # fmt: skip
 
-    def _value(self, train: TrainRunner, start: TrainState) -> tuple[float, TrainState]:
-        """The quantity (SI) in a revolution from a state, NaN where it has none, and the state after it."""
+    def _value(self, train: TrainRunner, start: TrainState) -> tuple[float, int, TrainState]:
+        """The quantity (SI) in a revolution from a state, NaN where it has none, its landings, and the state after it."""
         end, record = train.cycle(start)
         found = turn_quantities(train.system, record, self.window)
-        return found.get(self.quantity, math.nan), replace(end, cam_angle=0.0)
+        value = found.get(self.quantity, math.nan)
+        return value, record.transitions.landings, replace(end, cam_angle=0.0)
 
 
 @known_arguments

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from valvetrain.solution.critical import SpeedBracket
 from valvetrain.solution.display import Saveable
@@ -13,6 +14,8 @@ from valvetrain.solution.display import Saveable
 DIFFERS = 0.02
 #: Lyapunov exponent a revolution, over as few as are run, from which a motion is chaotic.
 CHAOTIC = 0.05
+#: What is said of an orbit whose stability its multiplier does not tell.
+UNRESOLVED = "unresolved"
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,9 +24,10 @@ class BranchPoint:
 
     ``rising``: whether it was reached as the speed rises. ``period``: revolutions after which it repeats, 0 for never.
     ``values`` (SI) of the quantity in one revolution after another: ``period`` of them, several of a motion that never
-    repeats. ``repels``: an orbit from which the train moves away, and how: ``fold``, ``flip`` or ``torus``; empty of one
-    that attracts. ``multiplier``: size of the largest one, NaN where its orbit attracts so fast that none was computed.
-    ``exponent``: largest Lyapunov exponent a revolution of a motion that never repeats, NaN of others.
+    repeats. ``repels``: an orbit from which the train moves away, and how: ``fold``, ``flip`` or ``torus``; ``unresolved``
+    where its multiplier does not tell whether the train stays; empty of one that attracts. ``multiplier``: size of the
+    largest one, NaN where none was computed or it is not resolved. ``exponent``: largest Lyapunov exponent a revolution
+    of a motion that never repeats, NaN of others. ``landings``: contacts that close in each of these revolutions.
     """
 
     engine_speed: float
@@ -33,10 +37,14 @@ class BranchPoint:
     repels: str = ""
     multiplier: float = math.nan
     exponent: float = math.nan
+    landings: tuple[int, ...] = ()
 
     @property
     def motion(self) -> str:
-        """What kind of motion it is: ``period 1``, ``period 2``, ``chaotic``, ``irregular``, ``repels by flip``."""
+        """What kind of motion it is: ``period 1``, ``period 2``, ``chaotic``, ``irregular``, ``repels by flip``,
+        ``unresolved``."""
+        if self.repels == UNRESOLVED:
+            return UNRESOLVED
         if self.repels:
             return f"repels by {self.repels}"
         if self.period:
@@ -79,6 +87,17 @@ class Branches(Saveable):
             for up, down in both
             if down is not None
         )
+
+    @property
+    def grazing(self) -> tuple[SpeedBracket, ...]:
+        """Neighbouring speeds between which a motion that repeats every revolution gains or loses a landing."""
+        pairs = (pair for rising in (True, False) for pair in pairwise(self.attracting(rising)))
+        ends = {
+            (low.engine_speed, high.engine_speed)
+            for low, high in pairs
+            if low.period == high.period == 1 and low.landings != high.landings
+        }
+        return tuple(SpeedBracket(*one) for one in sorted(ends))
 
     def ranges(self, motion: str) -> tuple[SpeedBracket, ...]:
         """Ranges of neighbouring speeds with a motion such as ``chaotic`` or ``period 2``, rising or falling."""

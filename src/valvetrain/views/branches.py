@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.rules_branches import RULES, BranchFacts, spans_text
 from valvetrain.findings.words import RPM, Amount
-from valvetrain.solution.branches import Branches, BranchPoint
+from valvetrain.solution.branches import UNRESOLVED, Branches, BranchPoint
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.units import unit_factor
 from valvetrain.views.shown import ShownByRules
@@ -24,6 +24,7 @@ CALLED = {
     "period 1": "repeats every revolution",
     "period": "repeats every {} revolutions",
     "repels": "unstable, by a {}",
+    UNRESOLVED: "repeats every revolution, stability not resolved",
 }
 
 
@@ -106,7 +107,9 @@ def picture(facts: BranchFacts) -> go.Figure | None:
         alone = [factor * one.values[0] if one.period == 1 else math.nan for one in motions]
         speeds = [one.engine_speed / RPM for one in motions]
         fig.add_trace(line(speeds, alone, name, colour, connectgaps=False, showlegend=False))
-    add([one for one in branches.points if one.repels], "unstable", BAD, 7)
+    open_ones = [one for one in branches.points if one.repels == UNRESOLVED]
+    add([one for one in branches.points if one.repels not in ("", UNRESOLVED)], "unstable", BAD, 7)
+    add(open_ones, "stability not resolved", OTHER, 7)
     add([one for one in branches.points if not (one.period or one.repels)], "scatter", OTHER, 4)
     label = f"{label_of(branches.quantity)}, {shown}"
     styled(fig, "engine speed, rpm", (label,), 380)
