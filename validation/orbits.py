@@ -267,7 +267,7 @@ def grazing_oscillator() -> list[Row]:
         options = TrainOptions(samples=1440, step_fraction=0.1, impact_steps=64)
         ready = runner(train(built), 100 * drive, options)
         settled = steady_train(ready, start=before, tolerance=1e-6, compared=False, probed=False)
-        landings, before = (settled.record.transitions.landings,), settled.orbit
+        landings, before = int(np.sum(settled.record.transitions.closes)), settled.orbit
         points.append(
             BranchPoint(
                 drive, False, settled.search.period, (settled.start.q[0],), landings=landings

@@ -67,7 +67,7 @@ def test_findings_name_chaos_hysteresis_and_what_repels(tmp_path: Path) -> None:
         in BranchesAnswer(Branches("own", "loft_gap", POINTS[:1], 3, complete=False)).findings.codes
     )
     figure = WHOLE.plot()
-    names = {"stable, rising", "stable, falling", "unstable", "scatter"}
+    names = {"stable, rising", "stable, falling", "unstable or not resolved", "scatter"}
     assert {one.name for one in figure.data} == names
     read = vt.load(WHOLE.save(tmp_path / "branches.nc"))
     assert repr(read.points) == repr(POINTS) and read.hysteresis == WHOLE.hysteresis
@@ -96,14 +96,14 @@ def test_a_march_shows_the_hysteresis_that_plain_revolutions_show(marched: Branc
 
 
 def landing(rpm: float, rising: bool, count: int, **more: object) -> BranchPoint:
-    return point(rpm, rising, 1e-3, landings=(count,), **more)
+    return point(rpm, rising, 1e-3, landings=count, **more)
 
 
 def test_a_landing_gained_or_lost_is_a_grazing_between_its_speeds() -> None:
     """An unstable orbit, a motion of two revolutions and one that never repeats tell nothing of it."""
     march = (
         landing(100, True, 2), landing(200, True, 2), landing(300, True, 3), landing(300, False, 3), landing(200, False, 2),
-        landing(400, True, 5, repels="flip"), point(500, True, 1e-3, 2, landings=(3, 4)), point(600, True, 1e-3, 0, landings=(9,) * 5),
+        landing(400, True, 5, repels="flip"), point(500, True, 1e-3, 2, landings=4), point(600, True, 1e-3, 0, landings=9),
     )  # fmt: skip
     found = Branches("own", "loft_gap", march, 9)
     assert ends(found.grazing) == [pytest.approx((200, 300))]
@@ -123,8 +123,6 @@ def test_an_orbit_whose_stability_is_not_resolved_is_said_to_be_so_without_a_num
     assert found.attracting(True) == (points[0], points[2])
     assert BranchesAnswer(found).findings.codes == ("W211", "W213")
     assert found.to_records()[1]["multiplier"] is None
-    figure = found.plot()
-    assert "stability not resolved" in {one.name for one in figure.data}
 
 
 #: Multipliers of an orbit by the smaller and the larger disturbance, and what is said of it.

@@ -123,7 +123,7 @@ RULES = (
          mark="warn", unless=("W204",)),
     Rule("W213", "warns", "whether the motion at {spans} rpm is stable is not resolved", moves(UNRESOLVED), (),
          "its multiplier depends on the size of the disturbance", RUN, unless=("W204",)),
-    Rule("W215", "notes", "a contact of the motion just begins or ends (grazing) at {spans} rpm", grazes, ()),
+    Rule("W215", "notes", "a contact of the motion just begins or ends (grazing) at {spans} rpm", grazes),
     Rule("W214", "warns", "the march ended after {count} revolutions, before all speeds", cut,
          step="allow more revolutions, or march fewer speeds"),
 )  # fmt: skip

@@ -65,11 +65,6 @@ class Transitions:
     def __len__(self) -> int:
         return len(self.interaction)
 
-    @property
-    def landings(self) -> int:
-        """Number of closings, of all contacts."""
-        return int(np.count_nonzero(self.closes))
-
     def of(self, interaction: int) -> Transitions:
         """Those of one contact."""
         return self.where(self.interaction == interaction)

@@ -70,7 +70,7 @@ class _March:
         )
         train = runner(self.ready.system, engine_speed / 2, options, rest=self.ready.rest)
         settled = self._orbit(train, before)
-        if settled.search.converged and self._attracts(engine_speed, settled):
+        if self._attracts(engine_speed, settled):
             return settled.orbit
         start = train.initial_state() if before is None else before.at(train)
         cycle, scaled, _ = scaled_cycle(train, start)
@@ -82,7 +82,7 @@ class _March:
             not settled.search.converged
         ):  # plain revolutions may have led near an orbit that attracts slowly
             again = self._orbit(train, ended)
-            if again.search.converged and self._attracts(engine_speed, again):
+            if self._attracts(engine_speed, again):
                 return again.orbit
         self._plain(engine_speed, train, ended, rest.period)
         return ended
@@ -96,44 +96,42 @@ class _March:
         return settled
 
     def _attracts(self, engine_speed: float, settled: SteadyTrain) -> bool:
-        """Add an orbit; whether it attracts, by its multipliers unless its cycles approach it fast."""
+        """Add an orbit where one was found; whether it attracts, by its multipliers unless its cycles approach it fast."""
+        if not settled.search.converged:
+            return False
         size, repels = math.nan, ""
         if settled.search.contraction > FAST:
-            largest, other = (complex(train_multipliers(settled, one)[0]) for one in DISTURBANCES)
-            self.revolutions += 2 * DIRECTIONS * len(DISTURBANCES)
-            size, repels = math.nan, UNRESOLVED
-            if 2 * abs(abs(largest) - abs(other)) < min(abs(abs(largest) - 1), abs(abs(other) - 1)):
-                size, repels = abs(largest), loss_of_stability(largest)
+            largest = [train_multipliers(settled, one)[0] for one in DISTURBANCES]
+            self.revolutions += 4 * DIRECTIONS  # two cycles each, by both sizes
+            sizes, repels = np.abs(largest), UNRESOLVED
+            if 2 * np.ptp(sizes) < np.abs(sizes - 1).min():
+                size, repels = float(sizes[0]), loss_of_stability(largest[0])
         value, landings, _ = self._value(settled.runner, settled.start)
-        self.points.append(
-            BranchPoint(engine_speed, self.rising, 1, (value,), repels, size, landings=(landings,))
-        )
+        point = BranchPoint(engine_speed, self.rising, 1, (value,), landings, repels, size)
+        self.points.append(point)
         return not repels
 
     def _plain(self, engine_speed: float, train: TrainRunner, motion: Orbit, period: int) -> None:
         """Add the motion that plain revolutions end on, which repeats after ``period`` of them or never."""
-        values, landings, exponent, state = list[float](), list[int](), math.nan, motion.state
+        values, landings, exponent, state = list[float](), 0, math.nan, motion.state
         for _ in range(period or SHOWN):
-            value, landed, state = self._value(train, state)
+            value, landings, state = self._value(train, state)
             values.append(value)
-            landings.append(landed)
         self.revolutions += len(values)
         if not period:
             cycle, scaled, _ = scaled_cycle(train, state)
             exponent = lyapunov_exponent(cycle, scaled, GROWTH)
             self.revolutions += 2 * GROWTH
-        self.points.append(
-            BranchPoint(
-                engine_speed, self.rising, period, tuple(values), exponent=exponent, landings=tuple(landings)
-            )
-        )  # fmt: skip
+        point = BranchPoint(
+            engine_speed, self.rising, period, tuple(values), landings, exponent=exponent
+        )
+        self.points.append(point)
 
     def _value(self, train: TrainRunner, start: TrainState) -> tuple[float, int, TrainState]:
         """The quantity (SI) in a revolution from a state, NaN where it has none, its landings, and the state after it."""
         end, record = train.cycle(start)
-        found = turn_quantities(train.system, record, self.window)
-        value = found.get(self.quantity, math.nan)
-        return value, record.transitions.landings, replace(end, cam_angle=0.0)
+        value = turn_quantities(train.system, record, self.window).get(self.quantity, math.nan)
+        return value, int(np.sum(record.transitions.closes)), replace(end, cam_angle=0.0)
 
 
 @known_arguments

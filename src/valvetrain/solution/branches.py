@@ -24,29 +24,28 @@ class BranchPoint:
 
     ``rising``: whether it was reached as the speed rises. ``period``: revolutions after which it repeats, 0 for never.
     ``values`` (SI) of the quantity in one revolution after another: ``period`` of them, several of a motion that never
-    repeats. ``repels``: an orbit from which the train moves away, and how: ``fold``, ``flip`` or ``torus``; ``unresolved``
-    where its multiplier does not tell whether the train stays; empty of one that attracts. ``multiplier``: size of the
-    largest one, NaN where none was computed or it is not resolved. ``exponent``: largest Lyapunov exponent a revolution
-    of a motion that never repeats, NaN of others. ``landings``: contacts that close in each of these revolutions.
+    repeats. ``landings``: closings of contacts in its last revolution. ``repels``: an orbit from which the train moves
+    away, and how: ``fold``, ``flip`` or ``torus``; ``unresolved`` where its multiplier does not tell whether the train stays;
+    empty of one that attracts. ``multiplier``: size of the largest one, NaN where none was computed or it is not resolved.
+    ``exponent``: largest Lyapunov exponent a revolution of a motion that never repeats, NaN of others.
     """
 
     engine_speed: float
     rising: bool
     period: int
     values: tuple[float, ...]
+    landings: int = 0
     repels: str = ""
     multiplier: float = math.nan
     exponent: float = math.nan
-    landings: tuple[int, ...] = ()
 
     @property
     def motion(self) -> str:
         """What kind of motion it is: ``period 1``, ``period 2``, ``chaotic``, ``irregular``, ``repels by flip``,
-        ``unresolved``."""
-        if self.repels == UNRESOLVED:
-            return UNRESOLVED
+        ``unresolved``.
+        """
         if self.repels:
-            return f"repels by {self.repels}"
+            return UNRESOLVED if self.repels == UNRESOLVED else f"repels by {self.repels}"
         if self.period:
             return f"period {self.period}"
         return "chaotic" if self.exponent > CHAOTIC else "irregular"
@@ -92,12 +91,12 @@ class Branches(Saveable):
     def grazing(self) -> tuple[SpeedBracket, ...]:
         """Neighbouring speeds between which a motion that repeats every revolution gains or loses a landing."""
         pairs = (pair for rising in (True, False) for pair in pairwise(self.attracting(rising)))
-        ends = {
-            (low.engine_speed, high.engine_speed)
+        found = {
+            SpeedBracket(low.engine_speed, high.engine_speed)
             for low, high in pairs
             if low.period == high.period == 1 and low.landings != high.landings
         }
-        return tuple(SpeedBracket(*one) for one in sorted(ends))
+        return tuple(sorted(found, key=lambda one: one.lower_engine_speed))
 
     def ranges(self, motion: str) -> tuple[SpeedBracket, ...]:
         """Ranges of neighbouring speeds with a motion such as ``chaotic`` or ``period 2``, rising or falling."""

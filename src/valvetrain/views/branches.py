@@ -107,9 +107,7 @@ def picture(facts: BranchFacts) -> go.Figure | None:
         alone = [factor * one.values[0] if one.period == 1 else math.nan for one in motions]
         speeds = [one.engine_speed / RPM for one in motions]
         fig.add_trace(line(speeds, alone, name, colour, connectgaps=False, showlegend=False))
-    open_ones = [one for one in branches.points if one.repels == UNRESOLVED]
-    add([one for one in branches.points if one.repels not in ("", UNRESOLVED)], "unstable", BAD, 7)
-    add(open_ones, "stability not resolved", OTHER, 7)
+    add([one for one in branches.points if one.repels], "unstable or not resolved", BAD, 7)
     add([one for one in branches.points if not (one.period or one.repels)], "scatter", OTHER, 4)
     label = f"{label_of(branches.quantity)}, {shown}"
     styled(fig, "engine speed, rpm", (label,), 380)
