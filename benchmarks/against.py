@@ -29,6 +29,7 @@ JOBS: dict[str, dict[str, object]] = {
     "C by the chain": {"job": "chain", "repeats": 15},
     "B, 16 variants": {"job": "B", "per_coil": 12, "variants": 16, "workers": 1},
 }
+#: Above 8000 rpm it floats into coil bind by its card, and the sweep ends with an error.
 PUSHROD = str(HERE / "benchmarks" / "pushrod.toml")
 #: Name -> arguments of the command line.
 COMMANDS: dict[str, tuple[str, ...]] = {
@@ -39,10 +40,10 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         "--no-critical-speeds",
     ),
     "sweep of pushrod by card, with critical speeds": (
-        "sweep", PUSHROD, "--rpm", "3000:9000:500 rpm", "--workers", "1", "--no-report",
+        "sweep", PUSHROD, "--rpm", "3000:8000:500 rpm", "--workers", "1", "--no-report",
     ),
     "sweep of pushrod by wire, with critical speeds": (
-        "sweep", PUSHROD, "--rpm", "3000:9000:500 rpm", "--spring-set", "wire", "--workers", "1", "--no-report",
+        "sweep", PUSHROD, "--rpm", "3000:8000:500 rpm", "--spring-set", "wire", "--workers", "1", "--no-report",
     ),
     "check tdi-pushrod": ("check", "tdi-pushrod"),
     "cold compilation, tdi-pushrod": ("run", "tdi-pushrod", "--rpm", "1000 rpm", "--workers", "1", "--no-report"),
