@@ -107,3 +107,23 @@ def test_a_lift_that_the_equilibria_do_not_reach_is_no_table(monkeypatch):
     rod = vt.springs.FiniteElementRod(wire, "7 mm", elements_per_coil=12)
     with pytest.raises(InputError, match=r"no equilibria beyond .* mm of lift"):
         ReducedRod(rod, 6e-3).make_tables()
+    with pytest.raises(InputError, match=r"no equilibria beyond .* mm of lift"):
+        ReducedRod(rod, 6e-3).refuse_unreached()
+
+
+def test_check_refuses_what_tables_would_refuse_and_makes_none(monkeypatch):
+    """Known answer: the refusal is that of the rod, and no rod is reduced for a file that is only read."""
+    from valvetrain.cli.cases import put_together
+    from valvetrain.springs import reduced_rod
+
+    def made(*given):
+        raise AssertionError("a rod was reduced")
+
+    monkeypatch.setattr(reduced_rod, "reduce_rod", made)
+    monkeypatch.setattr(reduced_rod_cache, "_MADE", OrderedDict())
+    monkeypatch.setattr(reduced_rod_cache, "_folder", lambda: None)
+    case = parse_case(TRAIN, "case")
+    assert put_together(case, ()) is not None
+    monkeypatch.setattr(reduced_rod, "path_of_equilibria", lambda statics, at, *given: [at])
+    with pytest.raises(InputError, match="no equilibria beyond"):
+        put_together(case, ())

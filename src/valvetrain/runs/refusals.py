@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import refuse_implausible_motion, refuse_implausible_parts
-from valvetrain.runs.prepared import law_lift, prepare
-from valvetrain.system.problem import Problem
+from valvetrain.runs.prepared import FAILURES, law_lift, prepare
+from valvetrain.solution.status import reason
+from valvetrain.springs.contract import TabulatedSpring
+from valvetrain.springs.spec import spring_model
+from valvetrain.system.problem import Member, Problem
+from valvetrain.system.train_system import TrainSystem
 
 #: Parts of a train with friction.
 RUBBING = ("follower", "valve")
@@ -92,9 +97,7 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
     for member in problem.members:
         if member.refusal:
             found[member.label] = member.refusal
-        elif not member.model.needs_rest and (
-            refusal := prepare(problem, member, {}, problem.record.study).refusal
-        ):
+        elif not member.model.needs_rest and (refusal := _refusal(problem, member)):
             found[member.label] = refusal
         for spring in member.springs:
             if spring.wire is None and member.gear is None:
@@ -106,3 +109,20 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
                 if isinstance(rod, FiniteElementRod):
                     _ = rod.installed  # its statics need no time step
     return found
+
+
+def _refusal(problem: Problem, member: Member) -> str:
+    """Why a member cannot be integrated, empty where it can. A train on springs of tables, which take seconds each, is
+    prepared on massless ones, once their rods have reached its lift.
+    """
+    try:
+        system = member.system({}, problem.built)
+        train = system.springs if isinstance(system, TrainSystem) else ()
+        tabulated = [spring for spring in train if isinstance(spring, TabulatedSpring)]
+        for spring in tabulated:
+            spring.refuse_unreached()
+    except FAILURES as error:
+        return reason(error)
+    massless = replace(member, model=spring_model("massless"))
+    prepared = massless if tabulated and not massless.refusal else member
+    return prepare(problem, prepared, {}, problem.record.study).refusal

@@ -228,6 +228,10 @@ class TabulatedSpring(Protocol):
         """Make or read the tables; raises where there are none."""
         ...
 
+    def refuse_unreached(self) -> None:
+        """Raise :class:`InputError` where the tables would not reach the lift; none are made."""
+        ...
+
 
 def outputs_at(
     spring: SpringModel, states: Array, displacements: Array, velocities: Array

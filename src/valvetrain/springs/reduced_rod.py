@@ -13,7 +13,7 @@ from pydantic import Field
 
 from valvetrain.arrays import Array, Ints
 from valvetrain.cosserat.contact_points import ContactPoints
-from valvetrain.cosserat.static import RodStatics
+from valvetrain.cosserat.static import Equilibrium, RodStatics
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring_options import SpringOptions
@@ -130,25 +130,40 @@ class ReducedRod:
         """Make or read the tables. Raises :class:`InputError` for a rod without equilibria."""
         _ = self.tables
 
+    def refuse_unreached(self) -> None:
+        """Raise :class:`InputError` where the rod has no equilibria over the lift; no tables are made."""
+        self._path(1)
+
     def _made(self) -> ReducedTables:
+        path, start, spacing = self._path(PARTS)
+        return reduce_rod(self.statics, path, start, spacing, self.rod.definition.total_coils)
+
+    def _path(self, parts: int) -> tuple[list[Equilibrium], float, float]:
+        """Equilibria over the lift, ``parts`` from one coarse lift to the next: they, the displacement (m) of the first,
+        and their spacing (m). Raises :class:`InputError` where they end below the largest lift or within a coarse one.
+        """
         rod = self.rod
         top = NEARLY_SOLID * (rod.definition.solid_compression - rod.precompression)
         if self.largest_lift is not None:
             top = min(top, (1 + BEYOND) * self.largest_lift + MORE)
         coarse = max(2, int(np.ceil((top + BELOW) / SPACING)))
-        spacing = (top + BELOW) / (coarse * PARTS)
+        spacing = (top + BELOW) / (coarse * parts)
         below = int(min(rod.precompression, BELOW) / spacing)
         path = path_of_equilibria(
-            self.statics, rod.installed, below, coarse * PARTS - below, spacing
+            self.statics, rod.installed, below, coarse * parts - below, spacing
         )
         start = path[0].state.compression - rod.installed.state.compression
         reach = start + (len(path) - 1) * spacing
-        if self.largest_lift is not None and reach < min(top, self.largest_lift) - PARTS * spacing:
+        if self.largest_lift is not None and reach < min(top, self.largest_lift) - parts * spacing:
             raise InputError(
                 f"the rod of spring '{rod.definition.name}' has no equilibria beyond {reach * 1e3:.3g} mm of lift and cannot be reduced; "
                 "use multi-mass"
             )
-        return reduce_rod(self.statics, path, start, spacing, rod.definition.total_coils)
+        if len(path) <= parts:
+            raise InputError(
+                "the rod has too few equilibria about the installed state to be reduced; compress the spring less"
+            )
+        return path, start, spacing
 
     @property
     def unknowns(self) -> int:

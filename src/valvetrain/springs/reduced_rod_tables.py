@@ -26,7 +26,6 @@ from valvetrain.cosserat.condensed import (
 from valvetrain.cosserat.contact_points import ContactPoints
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
-from valvetrain.errors import InputError
 from valvetrain.springs.reduced_rod_kernel import LANES
 from valvetrain.springs.reduced_rod_sections import WireTables, wire_tables
 
@@ -129,16 +128,9 @@ def reduce_rod(
     total_coils: float,
 ) -> ReducedTables:
     """Tables from a ``path`` of equilibria ``spacing`` (m) of retainer travel apart, the first at
-    the displacement ``start`` (m), of a wire of ``total_coils``.
-
-    Raises :class:`InputError` for a path of less than two coarse lifts.
+    the displacement ``start`` (m), of a wire of ``total_coils``; over two coarse lifts at least.
     """
-    whole = (len(path) - 1) // PARTS * PARTS
-    if whole < PARTS:
-        raise InputError(
-            "the rod has too few equilibria about the installed state to be reduced; compress the spring less"
-        )
-    path = path[: whole + 1]
+    path = path[: (len(path) - 1) // PARTS * PARTS + 1]
     points = ContactPoints.of(statics.mesh)
     stiffness = statics.contact_stiffness * points.length
     free = slice(statics.mesh.first + 1, statics.mesh.last)
