@@ -317,6 +317,7 @@ def train_run(
         "cam_contact_force": (704 + 1e4 * lift, "N"), "valve_tip_contact_force": (605 + 1e4 * lift, "N"),
         "seat_contact_force": (506 - 5e4 * lift, "N"), "support_force": (-407 + 0 * lift, "N"),
         "cam_torque": (8.0 * np.sin(2 * angle), "N m"), "lever_speed": (20.0 * np.cos(angle), "rad/s"),
+        "rigid_spring_force": (299 + 41e3 * lift, "N"),
         "rigid_spring_margin": (250 + 30e3 * lift, "N"), "cam_contact_pressure": (6.5e8 + 1e10 * lift, "Pa"),
         "crank_angle": (2 * (np.mod(angle - 3 + np.pi, 2 * np.pi) - np.pi), "rad"),
         "piston_clearance": (3e-3 - 0.2 * lift, "m"), "outer_retainer_force": (202 + 30e3 * lift, "N"),

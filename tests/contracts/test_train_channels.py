@@ -144,7 +144,7 @@ def test_no_channel_is_without_its_relation(ran):
         "static_retainer_force", "outer_retainer_force", "outer_seat_force", "inner_retainer_force", "inner_seat_force", "cam_torque",
         "lever_speed", "lever_angle", "lever_tip_angle", "support_displacement", "valve_tip_displacement", "piston_clearance",
         "rigid_valve_lift", "rigid_contact_force", "crank_angle",
-        "rigid_spring_margin", "rigid_hertz_pressure", "cam_contact_pressure",  # tests/limits/test_field_views.py
+        "rigid_spring_force", "rigid_spring_margin", "rigid_hertz_pressure", "cam_contact_pressure",  # tests/limits/test_field_views.py
         *(f"{place}_{word}" for place in ("cam", "valve_tip", "seat") for word in ("gap", "contact_force")),
     }  # fmt: skip
     assert not set(map(str, run.channels.data_vars)) - known - INSIDE

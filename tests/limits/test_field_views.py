@@ -11,8 +11,10 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import UnusualValueWarning
+from valvetrain.findings.facts import Facts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.system.build import build, lift_law_of
+from valvetrain.views.figures import needed
 
 #: Four valves of 250 cm3: bucket tappets on a cam of 14 mm, cards of cam and springs in crank degrees.
 BIKE = """
@@ -131,6 +133,11 @@ def test_margin_is_the_spring_less_the_inertia_over_the_nose(study):
     weight = -48e-3 * 9.80665  # opens downwards
     found = np.interp(nose, run.cam_angle, run.channel("rigid_spring_margin"))
     assert found == pytest.approx(spring + inertia + weight, rel=0.05)
+    at_rest = np.interp(nose, run.cam_angle, run.channel("rigid_spring_force"))
+    assert at_rest == pytest.approx(spring, rel=0.01)
+    have, *need = needed(Facts(study)).data
+    drawn = [np.interp(math.degrees(nose), one.x, one.y) for one in (have, need[1])]
+    assert drawn == pytest.approx([spring, -inertia - weight], rel=0.05)
 
 
 def test_a_bucket_asks_for_no_rocker_ratio_and_refuses_another_one():

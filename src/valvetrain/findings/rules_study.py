@@ -285,11 +285,11 @@ MODELS = (
          CONTACT[:1], "", SWEEP, guide="models.md", mark="warn"),
     Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
          "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
-    Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
+    Rule("M102", "decides", "in control by {count} models with surge: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
          DECIDES, RUN, guide="models.md", mark="ok", unless=("M106",)),
-    Rule("M103", "decides", f"{NEAR} by {{count}} models: {{least..most}} left on the cam at {{speed}}", all_barely,
+    Rule("M103", "decides", f"{NEAR} by {{count}} models with surge: {{least..most}} left on the cam at {{speed}}", all_barely,
          CONTACT[:1], DECIDES, RUN, guide="models.md", mark="warn", unless=("M106",)),
-    Rule("M104", "decides", "contact is lost by {count} models at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
+    Rule("M104", "decides", "{count} models with surge lose contact at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
          "{lead} decides[: {cause}]", RUN, guide="models.md"),
 )  # fmt: skip
 PEAKS = (

@@ -40,6 +40,7 @@ from valvetrain.solution.status import Event, PartialFailures
 RIGID_CHANNELS = {
     "rigid_valve_lift": ("valve_lift", "m", "valve lift of rigid parts"),
     "rigid_contact_force": ("contact_force", "N", "contact force at the cam of rigid parts"),
+    "rigid_spring_force": ("spring_force", "N", "spring force at rest at the valve lift of rigid parts"),
     "rigid_spring_margin": ("spring_margin", "N", "spring force at rest and inertia less weight and gas at the valve"),
     "rigid_hertz_pressure": ("hertz_pressure", "Pa", "contact pressure at the cam of rigid parts"),
 }  # fmt: skip
