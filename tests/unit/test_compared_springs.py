@@ -12,7 +12,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_sweep import amplitudes
+from valvetrain.findings.rules_sweep import amplitudes, most_stress
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import Words
 from valvetrain.parameters.loading import parse_case
@@ -81,20 +81,26 @@ def test_the_largest_stress_amplitude_and_surge_of_each_spring_are_rows(study):
     """Closed form: half the range of the force, of the run where that is largest, times the stress for each newton, by the
     difference between closed and largest lift at rest; the wire that bears more breaks first.
     """
-    found = amplitudes(Facts(study))
+    found, peaks = amplitudes(Facts(study)), most_stress(Facts(study))
     for name in ("soft", "stiff"):
         numbers = [one.quantities for one in study.solutions if one.spring_set == name]
         ranges = [one["peak_spring_force"] - one["minimum_spring_force"] for one in numbers]
         run = next(one for one in study.solutions if one.spring_set == name)
         rest = [Facts(study).value(run, f"open_{one}") - Facts(study).value(run, closed) for one, closed in AT_REST]  # fmt: skip
         assert found[name].value == pytest.approx(rest[0] / rest[1] * max(ranges) / 2, rel=1e-2)
+        largest = max(one["peak_spring_force"] for one in numbers)
+        assert peaks[name].value == pytest.approx(rest[0] / rest[1] * largest, rel=1e-2)
     assert findings_of(study).verdict.fields["weak"] == "stiff"
     rows = {one.label: one.cells for one in Answer(study).lines}
-    assert {"in control", "shear amplitude", "you have"} <= set(rows) and len(rows["you have"]) == 2
+    assert {"in control", "most shear", "shear amplitude", "you have"} <= set(rows) and len(
+        rows["you have"]
+    ) == 2
     one = replace(study, command="sweep")
-    assert not amplitudes(Facts(one)) and "in control" not in {
-        row.label for row in Answer(one).lines
-    }
+    assert (
+        not amplitudes(Facts(one))
+        and not most_stress(Facts(one))
+        and "in control" not in {row.label for row in Answer(one).lines}
+    )
 
 
 def test_the_next_step_of_two_springs_names_both(study, cards):

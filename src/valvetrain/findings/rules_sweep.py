@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
@@ -318,15 +319,12 @@ def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
     """
     (better, high), (other, low) = found
     more = gains(facts)
-    least, most = (
-        f"{round(end(more) / RPM):d}".replace("-", "−") if more else "" for end in (min, max)
-    )
     stress = sorted(amplitudes(facts).items(), key=lambda one: one[1].value)
     weaker = len(stress) == 2 and stress[1][1].value > WEAKER * stress[0][1].value
     simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
     return {
-        "gain": f"{about(more[0])} rpm" if more else "", "range": "" if weaker or least == most else f"{least} to {most}",
-        "better": better, "other": other, "high": reached(high), "low": reached(low), "weak": stress[1][0] if weaker else "",
+        "gain": f"{about(more[0])} rpm" if more else "", "better": better, "other": other, "high": reached(high), "low": reached(low),
+        "weak": stress[1][0] if weaker else "",
         **({"stress": stress[1][1], "less": stress[0][1]} if weaker else {}), "model": "wave-rod" if simple else "modal-uniform",
         "there": _both_keep(facts),
     }  # fmt: skip
@@ -375,16 +373,30 @@ def most_surge(facts: Facts) -> dict[str, tuple[float, float]]:
 
 
 def amplitudes(facts: Facts) -> dict[str, Amount]:
-    """Name of either spring of a pair -> largest stress amplitude of its runs: that along its wire, else half of the range
-    of its force, by the stress for each newton at full lift.
+    """Name of either spring of a pair -> largest stress amplitude of its runs: that along its wire, else of half the range of
+    its force.
+    """
+    return _stresses(facts, STRESS, lambda low, high: (high - low) / 2)
+
+
+def most_stress(facts: Facts) -> dict[str, Amount]:
+    """Name of either spring of a pair -> largest stress of its runs: that of its wire, else of its largest force."""
+    return _stresses(facts, "peak_shear_stress", lambda _, high: high)
+
+
+def _stresses(
+    facts: Facts, name: str, force_of: Callable[[float, float], float]
+) -> dict[str, Amount]:
+    """Largest stress by a quantity of either spring, else by a force of its least and largest one and the stress for each
+    newton at full lift.
     """
     found: dict[str, Amount] = {}
     for run in facts.runs if pair(facts) else ():
-        low, high, stress, force = (facts.value(run, name) for name in RANGE_OF)
-        along = facts.value(run, STRESS)
-        size = along if along > 0 else (high - low) / 2 * stress / force
+        low, high, stress, force = (facts.value(run, one) for one in RANGE_OF)
+        along = facts.value(run, name)
+        size = along if along > 0 else force_of(low, high) * stress / force
         if size > (found[run.spring_set].value if run.spring_set in found else 0.0):
-            found[run.spring_set] = Amount(STRESS, size)
+            found[run.spring_set] = Amount(name, size)
     return found
 
 
@@ -395,7 +407,7 @@ WHY = "[{cause}][, at {angle}][, up to {size} at {there}]"
 LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
 COMPARE = "[valvetrain compare {case} --rpm '{round} rpm']"
 PARTS = "valvetrain study --parts {case}"
-GAIN = "[{weak} breaks first: shear amplitude {stress} against {less}][gain {range} rpm with other model and damping]"
+GAIN = "[{weak} breaks first: shear amplitude {stress} against {less}]"
 SECOND = "valvetrain sweep {case} --model {model}"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 

@@ -6,7 +6,6 @@ Numbers are in SI units but lengths in mm and angles in deg; a function gives No
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import plotly.graph_objects as go
@@ -252,22 +251,18 @@ def needed(facts: Facts) -> go.Figure | None:
     return styled(fig, angle_title(facts, last), ("N",)).update_xaxes(range=window(last))
 
 
-def _of_every_run(channel: str, factor: float, title: str) -> Callable[[Facts], go.Figure | None]:
-    """A figure of one channel over the cam angle, of every run that has it."""
-
-    def make(facts: Facts) -> go.Figure | None:
-        runs = [run for run in facts.runs if run.has(channel, "valve_lift")]
-        if not runs:
-            return None
-        fig = go.Figure()
-        for run, colour in zip(runs, SPEEDS, strict=False):
-            name = facts.at(run) or run.label
-            fig.add_trace(line(degrees(run), factor * over_turn(run, channel), name, colour))
-        return styled(fig, angle_title(facts, runs[-1]), (title,)).update_xaxes(
-            range=window(runs[-1])
-        )
-
-    return make
+def piston(facts: Facts) -> go.Figure | None:
+    """Clearance (mm) of valve and piston over the cam angle, of every run that has it."""
+    runs = [run for run in facts.runs if run.has("piston_clearance", "valve_lift")]
+    if not runs:
+        return None
+    fig, last = go.Figure(), runs[-1]
+    for run, colour in zip(runs, SPEEDS, strict=False):
+        values = 1e3 * over_turn(run, "piston_clearance")
+        fig.add_trace(line(degrees(run), values, facts.at(run) or run.label, colour))
+    return styled(fig, angle_title(facts, last), ("clearance, mm",)).update_xaxes(
+        range=window(last)
+    )
 
 
 RUN_UP = FigureSpec("Where control is lost", "one point a cam revolution", running_up)
@@ -283,9 +278,7 @@ FORCE = FigureSpec(
 )
 LIFT = FigureSpec("Lift, velocity and acceleration", "of the run that decides", lift)
 CONTACTS = FigureSpec("Forces in the contacts of the train", "of the run that decides", contacts)
-PISTON = FigureSpec(
-    "Clearance to the piston", "", _of_every_run("piston_clearance", 1e3, "clearance, mm")
-)
+PISTON = FigureSpec("Clearance to the piston", "", piston)
 NEEDED = FigureSpec(
     "Spring force that you have and that rigid parts need",
     "above the dashed line the valve would float; below zero inertia presses it on the cam",

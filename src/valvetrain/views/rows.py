@@ -18,12 +18,15 @@ from valvetrain.findings.rules_sweep import (
     SPEED,
     SURGING,
     amplitudes,
+    gains,
+    most_stress,
     most_surge,
     pair,
     reached,
 )
 from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest
 from valvetrain.findings.words import (
+    RPM,
     Amount,
     MissingFieldError,
     Words,
@@ -105,7 +108,7 @@ ROWS = (
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
     Row("on the seat", (SEAT,), "below 10 kHz", "spring"),
     Row("coil on coil", ("{surge_clash_peak_force}",), "hardest blow", "spring"),
-    Row("coil on coil", ("{surge_clash_peak_force}", "{clash_count} blows"), "hardest blow", "train"),
+    Row("coil on coil", ("{surge_clash_peak_force}[, {clash_count} blows]", "{clash_count} blows"), "hardest blow", "train"),
     Row("landing", ("{seating_velocity}",), of="train", limit=Limit("seating_velocity", "permitted_seating_velocity")),
     Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", "permitted_bounce_height")),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
@@ -219,22 +222,29 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
 
 
 def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
-    """Of two springs in one engine: to which speed each keeps control, and its largest surge and stress amplitude."""
+    """Of two springs in one engine: to which speed each keeps control and by how much longer the better one does, and its
+    largest surge, stress and stress amplitude.
+    """
     if not pair(facts):
         return []
-    sets = [run.spring_set for run in runs]
+    sets, more = [run.spring_set for run in runs], [round(one / RPM) for one in gains(facts)]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
-    surge, stress = most_surge(facts), amplitudes(facts)
+    between = f"{min(more)} to {max(more)} rpm apart by model and damping" if more else ""
+    surge, stresses = most_surge(facts), (most_stress(facts), amplitudes(facts))
     most = [surge.get(name, (math.nan, 0.0)) for name in sets]
     cells = [
         f"{words.amount(Amount(SURGING[0], size))} at {about(at)} rpm" if size >= 0 else ""
         for size, at in most
     ]
+    peak, amplitude = (
+        tuple(words.amount(found[name]) if name in found else "" for name in sets)
+        for found in stresses
+    )
     lines = (
-        Line("in control", ends, "", "of the speeds searched"),
+        Line("in control", ends, "", between.replace("-", "−") or "of the speeds searched"),
         Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
-        Line("shear amplitude", tuple(words.amount(stress[name]) if name in stress else "" for name in sets), "",
-             f"half its range in motion, endless to {' or '.join(ENDLESS)}"),
+        Line("most shear", peak, "", "in motion, of the speeds in use"),
+        Line("shear amplitude", amplitude, "", f"half its range in motion, endless to {' or '.join(ENDLESS)}"),
     )  # fmt: skip
     return [one for one in lines if any(one.cells)]
 
