@@ -14,7 +14,7 @@ from valvetrain.errors import UnusualValueWarning
 from valvetrain.findings.facts import Facts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.system.build import build, lift_law_of
-from valvetrain.views.figures import needed
+from valvetrain.views.figures import force, needed
 
 #: Four valves of 250 cm3: bucket tappets on a cam of 14 mm, cards of cam and springs in crank degrees.
 BIKE = """
@@ -138,6 +138,13 @@ def test_margin_is_the_spring_less_the_inertia_over_the_nose(study):
     have, *need = needed(Facts(study)).data
     drawn = [np.interp(math.degrees(nose), one.x, one.y) for one in (have, need[1])]
     assert drawn == pytest.approx([spring, -inertia - weight], rel=0.05)
+
+
+def test_both_springs_share_the_force_that_is_drawn(study):
+    """Closed form: the forces of two nested springs add up to that on the retainer."""
+    drawn = {one.name: one.y for one in force(Facts(study)).data}
+    both = drawn["outer"] + drawn["inner"]
+    assert both == pytest.approx(drawn["11000 rpm"], rel=1e-3)
 
 
 def test_a_bucket_asks_for_no_rocker_ratio_and_refuses_another_one():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
@@ -324,8 +323,8 @@ def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
     simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
     return {
         "gain": f"{about(more[0])} rpm" if more else "", "better": better, "other": other, "high": reached(high), "low": reached(low),
-        "weak": stress[1][0] if weaker else "",
-        **({"stress": stress[1][1], "less": stress[0][1]} if weaker else {}), "model": "wave-rod" if simple else "modal-uniform",
+        **({"weak": stress[1][0], "stress": stress[1][1], "less": stress[0][1]} if weaker else {}),
+        "model": "wave-rod" if simple else "modal-uniform",
         "there": _both_keep(facts),
     }  # fmt: skip
 
@@ -376,25 +375,23 @@ def amplitudes(facts: Facts) -> dict[str, Amount]:
     """Name of either spring of a pair -> largest stress amplitude of its runs: that along its wire, else of half the range of
     its force.
     """
-    return _stresses(facts, STRESS, lambda low, high: (high - low) / 2)
+    return _stresses(facts, STRESS, -0.5, 0.5)
 
 
 def most_stress(facts: Facts) -> dict[str, Amount]:
     """Name of either spring of a pair -> largest stress of its runs: that of its wire, else of its largest force."""
-    return _stresses(facts, "peak_shear_stress", lambda _, high: high)
+    return _stresses(facts, "peak_shear_stress", 0.0, 1.0)
 
 
-def _stresses(
-    facts: Facts, name: str, force_of: Callable[[float, float], float]
-) -> dict[str, Amount]:
-    """Largest stress by a quantity of either spring, else by a force of its least and largest one and the stress for each
-    newton at full lift.
+def _stresses(facts: Facts, name: str, of_least: float, of_most: float) -> dict[str, Amount]:
+    """Largest stress by a quantity of either spring, else by shares of its least and its largest force and the stress for
+    each newton at full lift.
     """
     found: dict[str, Amount] = {}
     for run in facts.runs if pair(facts) else ():
         low, high, stress, force = (facts.value(run, one) for one in RANGE_OF)
         along = facts.value(run, name)
-        size = along if along > 0 else force_of(low, high) * stress / force
+        size = along if along > 0 else (of_least * low + of_most * high) * stress / force
         if size > (found[run.spring_set].value if run.spring_set in found else 0.0):
             found[run.spring_set] = Amount(name, size)
     return found

@@ -14,7 +14,6 @@ from valvetrain.solution.status import reason
 from valvetrain.springs.contract import TabulatedSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Member, Problem
-from valvetrain.system.train_system import TrainSystem
 
 #: Parts of a train with friction.
 RUBBING = ("follower", "valve")
@@ -116,9 +115,8 @@ def _refusal(problem: Problem, member: Member) -> str:
     prepared on massless ones, once their rods have reached its lift.
     """
     try:
-        system = member.system({}, problem.built)
-        train = system.springs if isinstance(system, TrainSystem) else ()
-        tabulated = [spring for spring in train if isinstance(spring, TabulatedSpring)]
+        springs = member.system({}, problem.built).springs
+        tabulated = [spring for spring in springs if isinstance(spring, TabulatedSpring)]
         for spring in tabulated:
             spring.refuse_unreached()
     except FAILURES as error:

@@ -229,8 +229,9 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
         return []
     sets, more = [run.spring_set for run in runs], [round(one / RPM) for one in gains(facts)]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
-    between = f"{min(more)} to {max(more)} rpm apart by model and damping" if more else ""
-    surge, stresses = most_surge(facts), (most_stress(facts), amplitudes(facts))
+    between, surge = "of the speeds searched", most_surge(facts)
+    if more:
+        between = f"{min(more)} to {max(more)} rpm apart by model and damping".replace("-", "−")
     most = [surge.get(name, (math.nan, 0.0)) for name in sets]
     cells = [
         f"{words.amount(Amount(SURGING[0], size))} at {about(at)} rpm" if size >= 0 else ""
@@ -238,10 +239,10 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     ]
     peak, amplitude = (
         tuple(words.amount(found[name]) if name in found else "" for name in sets)
-        for found in stresses
+        for found in (most_stress(facts), amplitudes(facts))
     )
     lines = (
-        Line("in control", ends, "", between.replace("-", "−") or "of the speeds searched"),
+        Line("in control", ends, "", between),
         Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
         Line("most shear", peak, "", "in motion, of the speeds in use"),
         Line("shear amplitude", amplitude, "", f"half its range in motion, endless to {' or '.join(ENDLESS)}"),
