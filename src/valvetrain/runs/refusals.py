@@ -9,7 +9,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import refuse_implausible_motion, refuse_implausible_parts
-from valvetrain.runs.prepared import FAILURES, law_lift, prepare
+from valvetrain.runs.prepared import law_lift, prepare
 from valvetrain.solution.status import reason
 from valvetrain.springs.contract import TabulatedSpring
 from valvetrain.springs.spec import spring_model
@@ -119,7 +119,7 @@ def _refusal(problem: Problem, member: Member) -> str:
         tabulated = [spring for spring in springs if isinstance(spring, TabulatedSpring)]
         for spring in tabulated:
             spring.refuse_unreached()
-    except FAILURES as error:
+    except (InputError, ArithmeticError, ValueError) as error:
         return reason(error)
     massless = replace(member, model=spring_model("massless"))
     prepared = massless if tabulated and not massless.refusal else member
