@@ -11,7 +11,6 @@ the same lift; its covariance is the sawtooth's Fourier series (Widrow, IRE Tran
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,14 +38,12 @@ MAX_KNOTS, MAX_SPACING = 400, np.radians(1.5)
 #: Bounds (m) and number of trials of the noise where it is not stated, and of the ratio of the two
 #: variances.
 NOISE_BOUNDS = (1e-9, 1e-3)
-#: Terms of the Fourier series of a rounding error.
-HARMONICS = 2
+#: Terms of the Fourier series of a rounding error; those beyond count as independent.
+HARMONICS = 4
 #: What a station of the base circle says of the noise, next to one of the event: the surface is another.
 SCATTER = 0.5
 #: Error of a base circle that reads zero, since a gauge is zeroed there by eye, next to the rounding error of another reading.
 ZEROED = 0.5
-#: Share of a step to which the phase of a rounding error is known.
-BLUR = 0.1
 #: Stations of the base circle, and angle (rad), on either side that belong to the fit: data
 #: below the noise there is of the ramp.
 MARGIN, MARGIN_ANGLE = 3, np.radians(3)
@@ -186,9 +183,8 @@ def smooth_lift(
         end = min([at for at in range(end, len(raw)) if abs(raw[at]) <= band], default=end)
     angles, raw = angles[begin : end + 1], raw[begin : end + 1]
     start = runout if noise is None and runout > 0 else noise
-    fit = _Fit(
-        angles, raw, start, noise is not None, rounding, rest, runout, 1.0 if base else ZEROED
-    )
+    zeroed = ZEROED if rest and base == 0 else 1.0
+    fit = _Fit(angles, raw, start, noise is not None, rounding, rest, runout, zeroed)
     ratio = fit.ratio
     mean = fit.mean(ratio)
     widened = False
@@ -242,14 +238,13 @@ class _Fit:
         self.jerk = _design(self.knots, self.points, 3)[:, free]
         least = rounding / np.sqrt(12)
         scale: Array = np.ones(len(self.points))
-        self.noise, self.design = max(noise or 0.0, least), basis
-        self.lifts = lifts
+        self.noise, self.alone, self.lifts = max(noise or 0.0, least), 1.0, lifts
         for round_ in range(ROUNDS):
             self.penalty = (self.jerk * (self.weights / scale)[:, None]).T @ self.jerk
             self.noise, self.ratio = _likeliest(
-                self.design,
+                basis,
                 self.penalty,
-                self.lifts,
+                lifts,
                 max(noise or 0.0, least),
                 stated,
                 least,
@@ -257,35 +252,33 @@ class _Fit:
             )
             if round_ < ROUNDS - 1:
                 scale = self._local_scale()
-                whiten = _whitening(basis @ self.mean(self.ratio), self.noise, rounding)
-                self.design, self.lifts = whiten(basis), whiten(lifts[:, None])[:, 0]
+        mean = basis @ self.mean(self.ratio)
+        shared = _rounded(mean, self.noise, rounding)
+        coherent = float(np.sum(shared[0] ** 2))
+        self.alone = 1 - coherent / self.noise**2
         # what the base circle is off by is in every station but those that read as it does
-        read = (
-            zeroed**2
-            * _coherent(self.noise, rounding)
-            * (np.abs(basis @ self.mean(self.ratio)) > rounding / 2)
-        )
-        self.shift = whiten(np.sqrt(read + self.noise**2 / max(rest, 1) * (rest > 0))[:, None])[
-            :, 0
-        ]
+        read = zeroed**2 * coherent * (np.abs(mean) > rounding / 2)
+        base = np.sqrt(read + self.noise**2 / max(rest, 1) * (rest > 0))
+        self.shared = np.column_stack([base, shared])
 
     def mean(self, ratio: float) -> Array:
         """Coefficients at a ratio of the variance of the jerk to that of the noise."""
         return self._solved(ratio, self.lifts)
 
     def _solved(self, ratio: float, values: Array) -> Array:
-        whole = self.design.T @ self.design + self.penalty / ratio
-        return np.asarray(np.linalg.solve(whole, self.design.T @ values), dtype=float)
+        whole = self.basis.T @ self.basis + self.penalty / ratio
+        return np.asarray(np.linalg.solve(whole, self.basis.T @ values), dtype=float)
 
     def factor(self, ratio: float) -> Array:
         """Square root of the covariance of the coefficients."""
-        lower = np.linalg.cholesky(self.design.T @ self.design + self.penalty / ratio)
-        found: Array = self.noise * np.linalg.inv(lower).T
+        told = self.basis.T @ self.basis
+        inner = np.linalg.cholesky(self.alone * told + self.penalty / ratio)
+        found: Array = self.noise * np.linalg.solve(told + self.penalty / ratio, inner)
         return found
 
     def shifted(self, ratio: float) -> Array:
-        """What one standard deviation of the base circle does to the coefficients: the stations cannot tell it."""
-        return self._solved(ratio, self.shift)
+        """What one standard deviation of each error that stations share does to the coefficients: the stations cannot tell it."""
+        return self._solved(ratio, self.shared)
 
     def _local_scale(self) -> Array:
         """Expected square of the jerk at the points, averaged over some stations, its largest value
@@ -339,32 +332,17 @@ def _likeliest(
     return float(np.sqrt(at(found.x)[1])), float(np.exp(found.x))
 
 
-def _coherent(noise: float, rounding: float) -> float:
-    """Variance (m2) of a rounding error that stations of the same lift share: reading noise blurs the phase of its sawtooth."""
-    loose = max(noise**2 - rounding**2 / 12, 0.0)
-    return (
-        rounding**2 / 12 * float(np.exp(-loose * (2 * np.pi / rounding) ** 2)) if rounding else 0.0
-    )
-
-
-def _whitening(lifts: Array, noise: float, rounding: float) -> Callable[[Array], Array]:
-    """A function that multiplies columns (stations, n) by the inverse root of the correlation of the rounding errors of
-    stations of these ``lifts`` (m).
+def _rounded(lifts: Array, noise: float, rounding: float) -> Array:
+    """Columns (stations, 2 x :data:`HARMONICS`) whose products are the covariance (m2) of the rounding errors that stations
+    share which have nearly the same lift (m): reading noise blurs the phase of the sawtooth.
     """
-    columns, alone = [np.zeros(len(lifts))], 1.0
-    for order in range(1, HARMONICS + 1 if rounding else 1):
-        turn = 2 * np.pi * order / rounding
-        part = (
-            6
-            * _coherent(noise, rounding)
-            / (np.pi * order * noise) ** 2
-            * np.exp(-((BLUR * rounding * turn) ** 2))
-        )
-        columns += [np.sqrt(part) * np.cos(turn * lifts), np.sqrt(part) * np.sin(turn * lifts)]
-        alone -= part
-    left, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
-    factors = (1 / np.sqrt(alone + sizes**2) - 1 / np.sqrt(alone))[:, None]
-    return lambda values: np.asarray(values / np.sqrt(alone) + left @ (factors * (left.T @ values)))
+    if not rounding:
+        return np.zeros((len(lifts), 1))
+    loose = max(noise**2 - rounding**2 / 12, 0.0)
+    turns = 2 * np.pi / rounding * np.arange(1, HARMONICS + 1)
+    sizes = np.sqrt(2) / turns * np.exp(-loose * turns**2 / 2)
+    phases = lifts[:, None] * turns
+    return np.hstack([sizes * np.cos(phases), sizes * np.sin(phases)])
 
 
 def _event(
