@@ -58,7 +58,11 @@ def forces() -> Known:
     found = evaluate(
         run(channels),
         Frame(
-            (InstalledSpring(card=CARD), InstalledSpring(card=replace(CARD, solid_height=26e-3)))
+            (
+                InstalledSpring(card=CARD),
+                InstalledSpring(card=replace(CARD, solid_height=26e-3)),
+                InstalledSpring(card=replace(CARD, solid_height=None, wire_diameter=3.6e-3, active_coils=5)),
+            )
         ),
     ).quantities
     return found, {
@@ -72,6 +76,8 @@ def forces() -> Known:
         "minimum_retainer_force": 240.0,
         "peak_valve_lift": 9.25e-3,
         "coil_bind_clearance": 10e-3 - 9.25e-3,
+        "wound_least_clearance": 36e-3 - 9.25e-3 - 7 * 3.6e-3,  # two turns more than active
+        "wound_most_clearance": 36e-3 - 9.25e-3 - 6 * 3.6e-3,
     }
 
 

@@ -189,6 +189,18 @@ def test_lash_face_and_solid_height_are_looked_at(tmp_path):
     assert of(law) == ["Q102"]
 
 
+def test_wire_and_turns_of_a_card_tell_whether_it_may_be_solid(tmp_path):
+    """By hand: 36 mm less 10 mm of lift are less than 8.5 wires of 3.2 mm, and more than 6; a solid height on the card goes first."""
+    path = tmp_path / "own.toml"
+    text = template_text("direct", cards=True)
+    assert text.count('solid_height = "22 mm"') == 1
+    for turns, solid, code in ((6.5, "", {"Q124"}), (4, "", set()), (6.5, 'solid_height = "22 mm"', set())):
+        own = f'{solid}\nactive_coils = {turns}\nmass = "40 g"'
+        path.write_text(text.replace('solid_height = "22 mm"', own), encoding="utf-8")
+        found = checked(path, "--set", "train.spring_set=dual")
+        assert {"Q120", "Q124"} & {*codes(found)} == code
+
+
 def test_check_says_up_to_which_lash_the_valve_meets_its_ramp(tmp_path):
     """Contract: a tappet cam of 1:1 whose ramp is 0.1 mm higher than its lash; a cam without a ramp says nothing."""
     path = tmp_path / "own.toml"

@@ -30,6 +30,8 @@ LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "train.crank.valve_inclination": "15 deg"}  # fmt: skip
 STEEL = {"train.spring_set": "wire", "train.springs.wire[0].material": "EN 10270-2 VDSiCr"}
 MODAL = {"models": "modal-uniform"}
+#: A card without a solid height, of which turns are still to be given: 30.48 mm are left at full lift.
+TURNS = {"train.spring_set": "card", "train.springs.card[0].solid_height": None, "train.springs.card[0].wire_diameter": "0.2 in"}
 CHAIN = {"models": "multi-mass"}
 ROD = {"models": "finite-element"}
 STOCK = {"models": "massless", "spring_sets": "stock"}
@@ -58,7 +60,9 @@ RUNS = {
     "ls-7375": ls("7375 rpm"),
     "ls-limit": ls("5000 rpm", train__valve__permitted_seating_velocity="0.3 m/s"),
     "ls-permitted": ls("5000 rpm", train__valve__permitted_seating_velocity="3 m/s"),
-    "ls-open": (LS, "5000 rpm", {"train.springs.mydual[1].solid_height": None}, MODAL),
+    "ls-open": (LS, "5000 rpm", {"train.spring_set": "dual", "train.springs.dual[1].solid_height": None}, MODAL),
+    "ls-turns": (LS, "5000 rpm", {**TURNS, "train.springs.card[0].active_coils": 4.5}, MODAL),
+    "ls-few-turns": (LS, "5000 rpm", {**TURNS, "train.springs.card[0].active_coils": 3}, MODAL),
     "ls-undamped": (LS, "5000 rpm", {"train.springs.mydual[0].damping": None, "train.springs.mydual[1].damping": None}, MODAL),
     "ls-close": (LS, "5000 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
     "ls-solid": (LS, "8500 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
@@ -106,6 +110,7 @@ def running_up(last: str) -> Study:
         ("M110", "ls-models", "ls-6600"), ("M111", "clash", "slow"), ("H101", "published", "ls-5000"),
         ("A101", "ls-5000", "calm"), ("A102", "ls-5000", "calm"), ("A103", "ls-5000", "wire"),
         ("A104", "ls-undamped", "ls-5000"), ("A105", "ls-5000", "wire"), ("A106", "ls-open", "ls-5000"),
+        ("B103", "ls-turns", "ls-few-turns"),
         ("A108", "wire", "ls-5000"), ("A113", "ls-5000", "ls-friction"), ("A119", "ls-5000", "ls-elastic"),
         ("A115", "ls-5000", "still"), ("C121", "ls-5000", "no-coils"), ("C122", "lost", "calm"), ("C123", "flies", "ls-6600"),
         ("V103", "ls-5000", "calm"),

@@ -30,6 +30,7 @@ LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
 MODES = {"count": 6}
 TO = {"largest_compression": 18e-3}
+TURNS = {"train.spring_set": "card", "train.springs.card[0].solid_height": None, "train.springs.card[0].wire_diameter": "0.2 in"}
 
 
 def lift(height: str) -> tuple:
@@ -39,7 +40,8 @@ def lift(height: str) -> tuple:
 #: Name -> case, changes, options of a static study.
 STUDIES = {
     "pair": (LS, {}, {}),
-    "pair-open": (LS, {"train.springs.mydual[0].solid_height": None}, {}),
+    "pair-open": (LS, {"train.spring_set": "dual", "train.springs.dual[1].solid_height": None}, {}),
+    "turns": (LS, {**TURNS, "train.springs.card[0].active_coils": 4.5}, {}),
     "far": lift("10 mm"),
     "near": lift("13.5 mm"),
     "modes-wire": ("uniform-spring", {}, MODES),
@@ -76,7 +78,7 @@ def study(name: str) -> Study:
     ("code", "holds", "holds_not"),
     [
         ("F101", "slender", "guided"), ("F102", "pair", "alone"), ("F103", "alone", "pair"),
-        ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("N101", "modes-bent", "modes"),
+        ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("F114", "turns", "pair-open"), ("N101", "modes-bent", "modes"),
         ("N102", "modes", "modes-free"), ("F113", "stated", "alone"),
         ("N103", "modes-free", "modes"), ("N104", "modes-none", "modes"), ("N110", "modes-wire", "modes-pair"),
         ("N111", "modes-train", "modes"), ("N112", "modes-pair", "modes"),

@@ -190,6 +190,7 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and
     ``inner_`` in front, and of its lift, of a train also at the valve.
     """
+    from valvetrain.quantities.forces import bind_clearances
     from valvetrain.quantities.statics import design_quantities
     from valvetrain.runs.prepared import largest_lift
 
@@ -206,10 +207,12 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     lift = np.asarray(problem.valve_lift.lift(angle))
     top = int(np.argmax(lift))
     found |= {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}
-    if case.train is None:
-        return found
-    found |= {"rigid_maximum_valve_lift": largest_lift(problem)}
-    return found | _needed(problem.members[0], case.operation)
+    largest = found["maximum_lift"]
+    if case.train is not None:
+        largest = largest_lift(problem)
+        found |= {"rigid_maximum_valve_lift": largest}
+        found |= _needed(problem.members[0], case.operation)
+    return found | bind_clearances(springs, largest)
 
 
 def _needed(member: Member, operation: Operation) -> dict[str, float]:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 from valvetrain.findings.engine import SPRINGS, Hit, Hits, Rule, Subject
 from valvetrain.findings.rules_source import LASH, RECUT
+from valvetrain.findings.rules_spring import MAY, NEAR, SOLID, STATE, WOUND
 from valvetrain.findings.rules_train import NEEDED
-from valvetrain.findings.words import Amount, speed_text
+from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cam_shape import lash_lift
@@ -62,9 +63,7 @@ class CaseFacts(Subject):
     @property
     def left(self) -> Amount | None:
         """What is least left to coil bind at full lift, of the springs in use; None where it is not known."""
-        solid = [self.values[f"{one}coil_bind_lift"] for one in SPRINGS if f"{one}coil_bind_lift" in self.values]  # fmt: skip
-        known = bool(solid) and math.isfinite(self.lift)
-        return Amount("coil_bind_clearance", min(solid) - self.lift) if known else None
+        return self.amount("coil_bind_clearance")
 
     @property
     def short(self) -> Amount | None:
@@ -169,13 +168,20 @@ def law_alone(facts: CaseFacts) -> Hits:
 
 
 def unchecked(facts: CaseFacts) -> Hits:
-    """A spring in use of which no solid height is known."""
-    if not math.isfinite(facts.lift) or not facts.runs:
-        return
-    known = [one for one in SPRINGS if f"{one}coil_bind_lift" in facts.values]
-    if not known or (len(known) == 1 and known[0]):
-        other = {"outer_": "the inner spring", "inner_": "the outer spring"}
-        yield Hit(fields={"spring": other[known[0]] if known else "the spring"})
+    """A spring in use of which neither a solid height is known, nor wire and turns."""
+    springs = facts.parameters.springs
+    if facts.parameters.train is not None:
+        springs = facts.parameters.train.spring_parts()
+    unknown = [one.name for one in springs if not one.clearances(0.0)]
+    if unknown and math.isfinite(facts.lift) and facts.runs:
+        yield Hit(fields={"spring": joined(unknown) if len(springs) > 1 else "the spring"})
+
+
+def wound(facts: CaseFacts) -> Hits:
+    """Wire and turns of a card may leave less than a millimetre to coil bind."""
+    least = facts.amount(WOUND[0])
+    if least is not None and least.value < NEAR:
+        yield Hit(least)
 
 
 def recut(facts: CaseFacts) -> Hits:
@@ -213,6 +219,7 @@ RULES = (
          mark=""),
     Rule("Q120", "notes", "coil bind of {spring} is not checked: no solid height is known", unchecked, BIND,
          remark="not known of {spring}"),
+    Rule("Q124", "warns", SOLID, wound, WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),
     Rule("Q122", "warns", RECUT, recut, step="set train.lash"),
     Rule("Q123", "warns", "solid at {stated:4} is stated, and the wire binds at {value:4}[, {spring} spring]", other_height, BIND,
          "the stated height counts", remark="wire binds at {value:4}", guide="how-to/05-coil-bind.md"),

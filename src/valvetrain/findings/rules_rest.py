@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_spring import NEAR
+from valvetrain.findings.rules_spring import MAY, NEAR, SOLID, STATE, WOUND
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
@@ -36,10 +36,18 @@ def near(facts: Facts) -> Hits:
 
 
 def unknown_solid(facts: Facts) -> Hits:
-    """A spring states no height at which it is solid."""
+    """A spring states no height at which it is solid, and not both wire and turns."""
     for one in states_of(facts.study):
-        if math.isfinite(one.lift) and not math.isfinite(one.solid):
+        if math.isfinite(one.lift) and not math.isfinite(one.solid) and WOUND[0] not in one.values:
             yield Hit(fields={"spring": one.one.spring})
+
+
+def wound(facts: Facts) -> Hits:
+    """Wire and turns of a card without a solid height may leave less than a millimetre to coil bind."""
+    for one in states_of(facts.study):
+        least = one.amount(WOUND[0])
+        if least is not None and least.value < NEAR:
+            yield Hit(least, fields={"spring": one.name}, severity=-least.value)
 
 
 def other_height(facts: Facts) -> Hits:
@@ -257,6 +265,7 @@ STATIC = (
          leans, guide="how-to/05-coil-bind.md"),
     Rule("F112", "notes", "coil bind of {spring} is not checked: no solid height is known", unknown_solid, BIND,
          remark="not known"),
+    Rule("F114", "warns", SOLID, wound, WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),
 )  # fmt: skip
 MODES = (
     Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),

@@ -135,6 +135,11 @@ def resting(facts: Facts) -> Hits:
 
 
 BIND = tuple(f"{prefix}coil_bind_clearance" for prefix in SPRINGS)
+WOUND = ("wound_least_clearance", "wound_most_clearance")
+#: By wire and turns of a card without a solid height.
+SOLID = "wire and turns leave as little as {value} to coil bind[, {spring}][ {at}]"
+MAY = "may be solid at full lift"
+STATE = "state its solid_height"
 CLASH = ("clash_count", "surge_clash_peak_force", "clash_energy")
 STRESS = tuple(f"{prefix}peak_shear_stress" for prefix in SPRINGS)
 FORCE = ("peak_spring_force", "minimum_spring_force")
@@ -163,6 +168,7 @@ RULES = (
          above("peak_shear_stress", "wire_tensile_strength", springs=True), STRESS, remark="no wire bears it"),
     Rule("B102", "warns", "only {value} left to coil bind[, {spring} spring][ {at}]",
          below("coil_bind_clearance", NEAR, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md"),
+    Rule("B103", "warns", SOLID, below(WOUND[0], NEAR, springs=True), WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),
     Rule("K110", "warns", "the peak on the seat is a spike[ {at}][, {value} high]; below 10 kHz it is {smooth}", spike, FORCE[:1],
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,

@@ -55,6 +55,10 @@ class State:
         left = self.solid - self.full_lift
         return Amount("coil_bind_clearance", left) if math.isfinite(left) else None
 
+    def amount(self, name: str) -> Amount | None:
+        """A quantity that belongs to no run; None where there is none."""
+        return Amount(name, self.values[name]) if name in self.values else None
+
     @property
     def surge(self) -> Amount | None:
         """The first axial natural frequency; None without inner motion."""

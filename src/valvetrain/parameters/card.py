@@ -32,6 +32,8 @@ from valvetrain.parameters.spring import TotalCoils
 
 #: A card of fewer active turns is a slip of units, and a chain of its mass could not be damped.
 MIN_TURNS = 0.3
+#: Turns of a closed and ground spring that do not move, both ends together.
+INACTIVE = 2.0
 #: Of a card that names no material.
 DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
 
@@ -126,6 +128,16 @@ class SpringCard(Table):
         """Rate (N/m) of one active turn of the wire with the mean diameter, G d^4 / (8 D^3)."""
         wire, mean = self.wire_diameter or math.nan, self.mean_diameter or math.nan
         return self.steel.shear_modulus * wire**4 / (8 * mean**3)
+
+    @property
+    def wound_heights(self) -> tuple[float, float] | None:
+        """Solid heights (m) of (n - 1) and of n wires on each other, between which that of n turns with closed ends is; None
+        where the card has not both wire and turns.
+        """
+        turns = self.total_coils or (self.active_coils and self.active_coils + INACTIVE)
+        if not turns or self.wire_diameter is None:
+            return None
+        return (turns - 1) * self.wire_diameter, turns * self.wire_diameter
 
     def _derive(self) -> None:
         """Loads as installed, from those that are given; refuses a rate that contradicts the loads."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from valvetrain.errors import InputError, UnusualValueWarning
-from valvetrain.parameters.card import SpringCard
+from valvetrain.parameters.card import INACTIVE, SpringCard
 from valvetrain.parameters.schema_types import guarded, placed, problem, validate_as
 
 #: Loads of one are parted where both together agree with wires and coils within these factors.
@@ -17,8 +17,6 @@ FAR = 0.1
 #: Active turns of a spring whose rate is what the other one leaves.
 MIN_TURNS, MAX_TURNS = 2.0, 14.0
 NAMES = ("outer", "inner")
-#: Of a closed and ground spring: turns that do not move, and those of its solid height.
-INACTIVE = 2.0
 #: Keys by which the total loads are given, in the first table.
 LOADS = ("preload", "open_load", "open_lift", "open_height", "rate")
 

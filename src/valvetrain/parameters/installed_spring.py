@@ -413,6 +413,18 @@ class InstalledSpring(Table):
             return None
         return self.installed_height - self.solid_height
 
+    def clearances(self, valve_lift: float) -> dict[str, float]:
+        """What is left to coil bind at a ``valve_lift`` (m) by the names of its quantities: as far as it is known by the solid
+        height, else least and most by wire and turns of the card; empty where neither is known.
+        """
+        if self.room is not None:
+            return {"coil_bind_clearance": self.room - valve_lift}
+        heights = self.card and self.card.wound_heights
+        if not heights or self.installed_height is None:
+            return {}
+        most, least = (self.installed_height - valve_lift - one for one in heights)
+        return {"wound_least_clearance": least, "wound_most_clearance": most}
+
     def options_of(self, model: str) -> Mapping[str, Any]:
         """Keyword arguments of one model's options."""
         found: Mapping[str, Any] = self.options.get(model, {})

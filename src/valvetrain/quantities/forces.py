@@ -125,14 +125,14 @@ def largest_lift(cycle: Cycle) -> float | None:
 
 
 def bind_clearances(springs: Sequence[InstalledSpring], largest: float) -> dict[str, float]:
-    """Clearance (m) to coil bind at the ``largest`` lift (m), the least of the springs with a known
-    solid height; of a pair that of each too.
-    """
-    found = {spring.name: spring.room - largest for spring in springs if spring.room is not None}
-    if not found:
-        return {}
-    each = {f"{name}_coil_bind_clearance": one for name, one in found.items() if name in NESTED}
-    return {"coil_bind_clearance": min(found.values()), **(each if len(springs) > 1 else {})}
+    """Clearances (m) to coil bind at the ``largest`` lift (m), the least of all springs; of a pair those of each too."""
+    found: dict[str, float] = {}
+    for spring in springs:
+        for name, left in spring.clearances(largest).items():
+            found[name] = min(left, found.get(name, left))
+            if len(springs) > 1 and spring.name in NESTED:
+                found[f"{spring.name}_{name}"] = left
+    return found
 
 
 _CHANNELS = ("kinetic_energy", "elastic_energy", "work_done", "energy_dissipated")

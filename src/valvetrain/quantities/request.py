@@ -12,7 +12,8 @@ LIGHT = frozenset((
     "peak_spring_force", "peak_spring_force_cam_angle", "minimum_spring_force", "minimum_spring_force_cam_angle", "peak_retainer_force",
     "minimum_retainer_force", "raw_peak_spring_force", "raw_peak_spring_force_cam_angle", "raw_peak_spring_force_duration",
     "raw_peak_retainer_force", "raw_peak_retainer_force_duration", "open_nominal_shear_stress",
-    "closed_nominal_shear_stress", "open_uncorrected_shear_stress", "peak_valve_lift", "coil_bind_clearance", "clash_count", "clash_energy",
+    "closed_nominal_shear_stress", "open_uncorrected_shear_stress", "peak_valve_lift", "coil_bind_clearance", "wound_least_clearance",
+    "wound_most_clearance", "clash_count", "clash_energy",
     "peak_clash_force", "surge_clash_peak_force", "largest_clash_energy", "largest_clash_impulse", "time_step_duration",
     "steps_per_cycle_count", "steady_cycles_count",
 ))  # fmt: skip

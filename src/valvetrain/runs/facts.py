@@ -73,7 +73,7 @@ def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
         yield Fact("split-loads", spring.card.split)
     if member.model.word == "multi-mass" and spring.wire is not None:
         yield from _chain_of_wire(member, spring)
-    if spring.room is None and any(one.room is not None for one in member.springs):
+    if not spring.clearances(0.0) and any(one.clearances(0.0) for one in member.springs):
         yield Fact("unknown-solid-height", name)
     wire = spring.wire
     if wire is not None and wire.solid_heights_differ:

@@ -179,6 +179,7 @@ def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, floa
     they are known.
     """
     found = {"rigid_maximum_valve_lift" if train else "maximum_lift": lift} if lift > 0 else {}
+    found |= spring.clearances(lift) if lift > 0 else {}
     return found if spring.room is None else found | {"coil_bind_lift": spring.room}
 
 

@@ -17,7 +17,7 @@ from valvetrain.findings.rules_rest import (
     speed_of,
     strongest,
 )
-from valvetrain.findings.rules_spring import NEAR
+from valvetrain.findings.rules_spring import NEAR, WOUND
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
@@ -28,6 +28,8 @@ from valvetrain.views.table import Line, TextTable
 #: Springs that are columns of the first table, and axial modes that are its rows.
 COLUMNS, MODES = 4, 4
 STATES = {"closed": "valve closed", "full_lift": "full lift"}
+#: Rows of what is left to coil bind, and the quantities that findings read of it.
+TO_BIND = {"coil bind": BIND, "by wire and turns": WOUND}
 Read = Callable[[State], str]
 
 
@@ -62,23 +64,36 @@ def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
             }
             amount = both.get(label)
             cells.append("" if amount is None else words.amount(amount))
-        bind = label == "coil bind"
+        bind = label in TO_BIND
         lines.append(
-            bind_line(cells, note, findings, words) if bind else Line(label, tuple(cells), "", note)
+            bind_line(label, cells, note, findings, words)
+            if bind
+            else Line(label, tuple(cells), "", note)
         )
     return lines
 
 
+def wound_text(read: Callable[[str], Amount | None], words: Words) -> str:
+    """What is left to coil bind by wire and turns, least to most; empty where it is not known."""
+    least, most = map(read, WOUND)
+    return f"{words.span(least, most)} left" if least and most else ""
+
+
 def bind_line(
-    cells: Sequence[str], note: str, findings: Findings, words: Words, left: Amount | None = None
+    label: str,
+    cells: Sequence[str],
+    note: str,
+    findings: Findings,
+    words: Words,
+    left: Amount | None = None,
 ) -> Line:
-    """The row of coil bind: as its finding says, else with the limit, and a tick unless what is ``left`` is below it."""
-    about = [one for one in findings.about(BIND) if one.mark != "ok"]
+    """A row of :data:`TO_BIND`: as its finding says, else with the limit, and a tick unless what is ``left`` is below it."""
+    about = [one for one in findings.about(TO_BIND[label]) if one.mark != "ok"]
     close = left is not None and left.value < NEAR
     mark: Mark = about[0].mark if about else "warn" if close else "ok"
     limit = "" if about else f"{note}, limit {words.amount(Amount('coil_bind_clearance', NEAR))}"
     return Line(
-        "coil bind",
+        label,
         tuple(cells),
         mark,
         next((one.remark for one in about if one.remark), limit or note),
@@ -113,6 +128,8 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
     yield "full lift", lambda one: said(one.force(one.full_lift)), ""
     yield "rate", lambda one: said(one.rate(one.one.precompression)), "as installed"
     yield "coil bind", left, "at full lift"
+    by_turns = "to coil bind at full lift"
+    yield "by wire and turns", lambda one: wound_text(one.amount, words), by_turns
     by = "in the section" if any(one.one.stress for one in states) else "EN 13906-1"
     yield "wire, shear", shear, f"installed to full lift; {by}"
     yield from _modes(words)

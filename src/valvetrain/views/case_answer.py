@@ -20,7 +20,7 @@ from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
 from valvetrain.solution.definition import is_defined, label_of
 from valvetrain.solution.static import RestPoint
-from valvetrain.views.at_rest import bind_line
+from valvetrain.views.at_rest import TO_BIND, bind_line, wound_text
 from valvetrain.views.motion.still import case_picture
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
@@ -99,6 +99,8 @@ class CaseAnswer(ShownByRules):
         texts.append(self._needed())
         left = self.facts.left
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
+        by_turns = wound_text(self.facts.amount, self.words)
+        texts.append(("by wire and turns", by_turns, "to coil bind at full lift"))
         texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
         ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
         texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
@@ -120,8 +122,8 @@ class CaseAnswer(ShownByRules):
     def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
         if isinstance(cells, str):
             cells = (*[""] * (len(self.headings) - 1), cells)
-        if label == "coil bind":
-            return bind_line(cells, note, self.findings, self.words, self.facts.left)
+        if label in TO_BIND:
+            return bind_line(label, cells, note, self.findings, self.words, self.facts.left)
         mark: Mark = "warn" if self.facts.short and label.startswith("needed") else ""
         return Line(label, cells, mark, note)
 

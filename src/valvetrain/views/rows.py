@@ -117,6 +117,8 @@ ROWS = (
     Row("you have", ("{preload..open_spring_force}",), "seat to full lift, at rest", "train"),
     Row("surge, 0 to peak", ("{surge_amplitude_force}",)),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
+    Row("by wire and turns", ("{wound_least_clearance..wound_most_clearance} left",), "to coil bind at full lift",
+        limit=Limit("wound_least_clearance", NEAR, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{outer_minimum_shear_stress..outer_peak_shear_stress} outer",
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
