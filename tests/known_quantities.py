@@ -61,7 +61,9 @@ def forces() -> Known:
             (
                 InstalledSpring(card=CARD),
                 InstalledSpring(card=replace(CARD, solid_height=26e-3)),
-                InstalledSpring(card=replace(CARD, solid_height=None, wire_diameter=3.6e-3, active_coils=5)),
+                InstalledSpring(
+                    card=replace(CARD, solid_height=None, wire_diameter=3.6e-3, active_coils=5)
+                ),
             )
         ),
     ).quantities

@@ -194,7 +194,11 @@ def test_wire_and_turns_of_a_card_tell_whether_it_may_be_solid(tmp_path):
     path = tmp_path / "own.toml"
     text = template_text("direct", cards=True)
     assert text.count('solid_height = "22 mm"') == 1
-    for turns, solid, code in ((6.5, "", {"Q124"}), (4, "", set()), (6.5, 'solid_height = "22 mm"', set())):
+    for turns, solid, code in (
+        (6.5, "", {"Q124"}),
+        (4, "", set()),
+        (6.5, 'solid_height = "22 mm"', set()),
+    ):
         own = f'{solid}\nactive_coils = {turns}\nmass = "40 g"'
         path.write_text(text.replace('solid_height = "22 mm"', own), encoding="utf-8")
         found = checked(path, "--set", "train.spring_set=dual")

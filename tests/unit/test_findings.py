@@ -31,7 +31,11 @@ CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "tra
 STEEL = {"train.spring_set": "wire", "train.springs.wire[0].material": "EN 10270-2 VDSiCr"}
 MODAL = {"models": "modal-uniform"}
 #: A card without a solid height, of which turns are still to be given: 30.48 mm are left at full lift.
-TURNS = {"train.spring_set": "card", "train.springs.card[0].solid_height": None, "train.springs.card[0].wire_diameter": "0.2 in"}
+TURNS = {
+    "train.spring_set": "card",
+    "train.springs.card[0].solid_height": None,
+    "train.springs.card[0].wire_diameter": "0.2 in",
+}
 CHAIN = {"models": "multi-mass"}
 ROD = {"models": "finite-element"}
 STOCK = {"models": "massless", "spring_sets": "stock"}

@@ -30,7 +30,11 @@ LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
 MODES = {"count": 6}
 TO = {"largest_compression": 18e-3}
-TURNS = {"train.spring_set": "card", "train.springs.card[0].solid_height": None, "train.springs.card[0].wire_diameter": "0.2 in"}
+TURNS = {
+    "train.spring_set": "card",
+    "train.springs.card[0].solid_height": None,
+    "train.springs.card[0].wire_diameter": "0.2 in",
+}
 
 
 def lift(height: str) -> tuple:
@@ -78,7 +82,8 @@ def study(name: str) -> Study:
     ("code", "holds", "holds_not"),
     [
         ("F101", "slender", "guided"), ("F102", "pair", "alone"), ("F103", "alone", "pair"),
-        ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("F114", "turns", "pair-open"), ("N101", "modes-bent", "modes"),
+        ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"),
+        ("F114", "turns", "pair-open"), ("N101", "modes-bent", "modes"),
         ("N102", "modes", "modes-free"), ("F113", "stated", "alone"),
         ("N103", "modes-free", "modes"), ("N104", "modes-none", "modes"), ("N110", "modes-wire", "modes-pair"),
         ("N111", "modes-train", "modes"), ("N112", "modes-pair", "modes"),

@@ -16,8 +16,8 @@ from train_parts import SINGLE_MASS
 from unit.cli_parts import call
 from valvetrain.errors import InputError
 from valvetrain.runs.part_ranking import (
+    LOADS,
     NOMINAL,
-    POUND_FORCE,
     Part,
     _change,
     limits_of,
@@ -70,9 +70,9 @@ def test_springs_are_shimmed_stiffened_and_made_lighter(springs: str) -> None:
         return float(closed), float(lifted - closed)
 
     seat, rise = loads(case.train)
-    for pounds in (5, 10):
-        more, same = loads(trains[f"seat load +{pounds} lbf"])
-        assert more - seat == pytest.approx(pounds * POUND_FORCE, rel=0.02)
+    for newtons in (25, 50):
+        more, same = loads(trains[f"seat load +{newtons} N"])
+        assert more - seat == pytest.approx(newtons, rel=0.02)
         assert same == pytest.approx(rise, rel=0.02)
     springs_in_use = case.train.spring_parts(springs)
     close = {one.name: one.train for one in parts_of(case.train, springs, 10e-3)}[
@@ -83,6 +83,18 @@ def test_springs_are_shimmed_stiffened_and_made_lighter(springs: str) -> None:
     same, more = loads(trains["rate 10 % stiffer"])
     assert same == pytest.approx(seat, rel=0.02) and more == pytest.approx(1.1 * rise, rel=0.02)
     assert loads(trains["spring 10 % lighter"]) == pytest.approx((seat, rise), rel=1e-6)
+
+
+def test_changes_are_named_in_the_units_of_the_case() -> None:
+    """Pounds and inches where a value of the file has pounds, by definition 4.448 N; a comment or a source is no value."""
+    train = vt.load_case("template:pushrod").train.replace(lash=0.2e-3)
+    metric, pounds = (
+        [one.name for one in parts_of(train, "card", 10e-3, text)]
+        for text in ('preload = "90 N" # or "20 lbf"', 'preload = { value = "20 lbf" }')
+    )
+    assert {"seat load +25 N", "1.4 mm to coil bind", "lash 0.05 mm more"} <= {*metric}
+    assert {"seat load +5 lbf", "0.055 in to coil bind", "lash 0.002 in more"} <= {*pounds}
+    assert LOADS["lbf", "in"] == pytest.approx((5 * 4.4482216, 10 * 4.4482216))
 
 
 def test_a_rigid_rocker_may_bend_and_an_elastic_one_is_stiffened() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -39,7 +40,11 @@ TUBES = {
 TRIED, STIFFER = 2, 1.05
 #: What many run to coil bind at full lift (m), to calm the coils.
 COIL_BIND = 1.4e-3
-INCH, POUND_FORCE, LASH = 0.0254, 4.4482216, 50e-6
+INCH, LASH = 0.0254, 50e-6
+#: Units in which changes are named -> seat loads that are added (N).
+LOADS = {("N", "mm"): (25.0, 50.0), ("lbf", "in"): (22.241108, 44.482216)}
+#: A value of a case file in pounds: its owner thinks in them.
+POUNDS = re.compile(r"""=\s*(\{\s*value\s*=\s*)?["'][^"']*\blbf""")
 #: Speeds searched, over the range of the train as it is: below its least and above its largest critical speed.
 BELOW, ABOVE = 0.94, 1.2
 #: Resolution of the search over the limit of the train as it is: changed trains are run every one and a half per
@@ -74,7 +79,7 @@ class Part:
 
 
 def parts_of(
-    train: TrainParameters, spring_set: str, valve_lift: float = math.inf
+    train: TrainParameters, spring_set: str, valve_lift: float = math.inf, text: str = ""
 ) -> Iterator[Part]:
     """The trains in which a part that the ``train`` has is changed.
 
@@ -83,6 +88,7 @@ def parts_of(
     train : as it is
     spring_set : name of the set in use
     valve_lift : the largest (m), from which springs may be installed closer to coil bind
+    text : of the case file, in whose units changes are named, pounds and inches or N and mm
 
     Examples
     --------
@@ -91,6 +97,7 @@ def parts_of(
     ['valve 10 % lighter', 'titanium retainer']
     """
     less, more = 1 - TENTH, 1 + TENTH
+    units = ("lbf", "in") if POUNDS.search(text) else ("N", "mm")
 
     def part(name: str, price: str, table: str, **values: tuple[float, str]) -> Part:
         """The part with values (SI) of a table of the train in units of the case."""
@@ -125,14 +132,21 @@ def parts_of(
     for name, mass, stiffness in stiffer_pushrods(pushrod):
         tube = {"mass": (mass, "g"), "stiffness": (stiffness, "kN/mm")}
         yield part(name, "needs room in the head", "pushrod", **tube)
-    yield from _springs(train, spring_set, valve_lift)
+    yield from _springs(train, spring_set, valve_lift, units)
     for sign, word in ((1, "more"), (-1, "less")):
         if 0 < train.lash > -sign * LASH:
             price = "louder, lands faster" if sign > 0 else "may hang open when hot"
-            yield part(f"lash 0.05 mm {word}", price, "", lash=(train.lash + sign * LASH, "mm"))
+            lash = train.lash + sign * LASH, units[1]
+            yield part(f"lash {_length(LASH, units)} {word}", price, "", lash=lash)
 
 
-def _springs(train: TrainParameters, spring_set: str, valve_lift: float) -> Iterator[Part]:
+def _length(metres: float, units: tuple[str, str]) -> str:
+    return f"{to_unit(metres, units[1]):.2g} {units[1]}"
+
+
+def _springs(
+    train: TrainParameters, spring_set: str, valve_lift: float, units: tuple[str, str]
+) -> Iterator[Part]:
     """The changes of the springs in use."""
     springs = train.spring_parts(spring_set)
 
@@ -140,14 +154,15 @@ def _springs(train: TrainParameters, spring_set: str, valve_lift: float) -> Iter
         return Part(name, price, train.replace(springs={**train.springs, spring_set: changed}))
 
     rate = sum(map(_rate, springs))
-    for pounds in (5, 10):
-        shim = pounds * POUND_FORCE / rate
-        price = f"cam wear and torque, {shim * 1e3:.1f} mm nearer coil bind"
-        yield part(f"seat load +{pounds} lbf", price, *(_shimmed(one, shim) for one in springs))
+    for load in LOADS[units]:
+        shim = load / rate
+        price = f"cam wear and torque, {_length(shim, units)} nearer coil bind"
+        name = f"seat load +{to_unit(load, units[0]):.0f} {units[0]}"
+        yield part(name, price, *(_shimmed(one, shim) for one in springs))
     left = min((one.room for one in springs if one.room is not None), default=0.0) - valve_lift
     if (shim := left - COIL_BIND) > 0:
-        name = f"{COIL_BIND * 1e3:g} mm to coil bind"
-        price = f"cam wear and torque, a shim of {shim * 1e3:.1f} mm"
+        name = f"{_length(COIL_BIND, units)} to coil bind"
+        price = f"cam wear and torque, a shim of {_length(shim, units)}"
         yield part(name, price, *(_shimmed(one, shim) for one in springs))
     for factor, word, price in (
         (1 + TENTH, "stiffer", "cam wear and torque over the nose"),
@@ -247,7 +262,7 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     asked = request.critical_options or CriticalOptions()
     options = replace(asked, resolution=RESOLUTION * limit, ranges=True)
     search = Search(request, base.engine_speeds[0], (first, last), kinds, options)
-    parts = tuple(parts_of(train, request.spring_sets[0], largest_lift(problem)))
+    parts = tuple(parts_of(train, request.spring_sets[0], largest_lift(problem), ranking.text))
 
     def done(finished: int, total: int) -> None:
         tell(OF_BASE + (1 - OF_BASE) * finished / total, "parts")
