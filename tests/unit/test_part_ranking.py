@@ -204,6 +204,16 @@ def test_findings_say_what_gains_most_and_what_is_not_known() -> None:
     assert codes(PartRanking("own", "stock", 0.0, 1000 * RPM, 8400 * RPM)) == ("W305",)
 
 
+def test_a_shim_that_leaves_little_to_coil_bind_has_no_tick() -> None:
+    shim = change("seat load", 300, bind_clearance=0.4e-3)
+    shown = PartsAnswer(replace(WHOLE, changes=(shim, *WHOLE.changes[1:])))
+    assert shown.lines[1].mark == "warn" and shown.ranking.best.part == "titanium retainer"
+    alone = PartsAnswer(replace(WHOLE, changes=(shim,)))
+    assert alone.verdict.fields["left"].value == 0.4e-3
+    roomy = PartsAnswer(replace(WHOLE, changes=(replace(shim, bind_clearance=1.1e-3),)))
+    assert roomy.lines[1].mark == "ok" and not roomy.verdict.fields["left"]
+
+
 def test_a_ranking_shows_bars_with_ranges_and_is_saved(tmp_path: Path) -> None:
     (bars,) = WHOLE.plot().data
     assert list(bars.x) == pytest.approx([480, 60, -80, -250])

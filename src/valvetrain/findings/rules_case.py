@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 from valvetrain.findings.engine import SPRINGS, Hit, Hits, Rule, Subject
 from valvetrain.findings.rules_source import LASH, RECUT
-from valvetrain.findings.rules_spring import MAY, NEAR, SOLID, STATE, WOUND
+from valvetrain.findings.rules_spring import MAY, SOLID, STATE, WOUND
 from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cam_shape import lash_lift
+from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.system.problem import Gear
 
 #: Stiffness over that of a tube of the same mass, above which no such tube is, since mass and length are rounded; below
@@ -180,7 +181,7 @@ def unchecked(facts: CaseFacts) -> Hits:
 def wound(facts: CaseFacts) -> Hits:
     """Wire and turns of a card may leave less than a millimetre to coil bind."""
     least = facts.amount(WOUND[0])
-    if least is not None and least.value < NEAR:
+    if least is not None and least.value < NEAR_BIND:
         yield Hit(least)
 
 

@@ -55,6 +55,7 @@ def _best(facts: PartFacts, reaches: bool) -> Hits:
             "set": best.setting, "put": "" if best.setting else PUT,
             "part": best.part, "gain": gain_text(best), "range": "" if rivals else range_text(best),
             "rival": max(rivals, key=lambda one: one.largest_gain).part if rivals else "",
+            "left": Amount("coil_bind_clearance", best.bind_clearance) if best.near_bind else "",
             "reached": reached_text(best.engine_speed, ranking), "red": "" if red_line is None else speed_text(red_line, ""),
         }  # fmt: skip
         yield Hit(fields=fields)
@@ -124,7 +125,7 @@ def assumed_retainer(facts: PartFacts) -> Hits:
 
 
 GAINS = "{part} gains most, {gain} rpm[ ({range})][, or {rival} (ranges overlap)]"
-REACHED = "in control to {reached} rpm[, red line {red}]"
+REACHED = "in control to {reached} rpm[, red line {red}][, with only {left} left to coil bind]"
 #: What flex takes of lift and open time, and the share of it that a part leaves at most to be called stiffer.
 LOST, LESS = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"), 0.97
 FLEXES = (

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_spring import MAY, NEAR, SOLID, STATE, WOUND
+from valvetrain.findings.rules_spring import MAY, SOLID, STATE, WOUND
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
+from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.modes import TrainModes
 
 #: What bounds the speeds in use of a case with a red line, and without.
@@ -31,8 +32,8 @@ OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
 def near(facts: Facts) -> Hits:
     """Less than a millimetre is left to coil bind at the largest lift."""
     for one in states_of(facts.study):
-        if one.left is not None and 0 <= one.left.value < NEAR:
-            yield Hit(one.left, None, NEAR, {"spring": one.name}, -one.left.value)
+        if one.left is not None and 0 <= one.left.value < NEAR_BIND:
+            yield Hit(one.left, None, NEAR_BIND, {"spring": one.name}, -one.left.value)
 
 
 def unknown_solid(facts: Facts) -> Hits:
@@ -46,7 +47,7 @@ def wound(facts: Facts) -> Hits:
     """Wire and turns of a card without a solid height may leave less than a millimetre to coil bind."""
     for one in states_of(facts.study):
         least = one.amount(WOUND[0])
-        if least is not None and least.value < NEAR:
+        if least is not None and least.value < NEAR_BIND:
             yield Hit(least, fields={"spring": one.name}, severity=-least.value)
 
 

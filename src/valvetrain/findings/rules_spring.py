@@ -8,10 +8,9 @@ from dataclasses import replace
 from valvetrain.findings.engine import SPRINGS, Hit, Hits, Rule, above, below, per_run
 from valvetrain.findings.facts import TURN, Facts
 from valvetrain.findings.words import Amount
+from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.result import Solution
 
-#: Travel to coil bind (m) below which it is close.
-NEAR = 1e-3
 #: Surge is large above this share of what the spring has to spare, and none below this share of its peak force.
 LARGE, NONE = 0.2, 0.01
 #: A raw peak above that below 10 kHz by this share is a spike.
@@ -167,8 +166,8 @@ RULES = (
     Rule("S102", "warns", "no wire bears {value}[ {at}]: above its tensile strength of {limit}",
          above("peak_shear_stress", "wire_tensile_strength", springs=True), STRESS, remark="no wire bears it"),
     Rule("B102", "warns", "only {value} left to coil bind[, {spring} spring][ {at}]",
-         below("coil_bind_clearance", NEAR, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md"),
-    Rule("B103", "warns", SOLID, below(WOUND[0], NEAR, springs=True), WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),
+         below("coil_bind_clearance", NEAR_BIND, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md"),
+    Rule("B103", "warns", SOLID, below(WOUND[0], NEAR_BIND, springs=True), WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),
     Rule("K110", "warns", "the peak on the seat is a spike[ {at}][, {value} high]; below 10 kHz it is {smooth}", spike, FORCE[:1],
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,

@@ -53,10 +53,13 @@ RESOLUTION = 0.0015
 #: Share of the train as it is in the time of all.
 OF_BASE = 0.2
 #: Lift and open time that flex takes, and the largest stress of a wire at full lift.
-FLEX, STRESS = (
+FLEX, STRESS, BIND = (
     ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"),
     "open_nominal_shear_stress",
+    "coil_bind_clearance",
 )
+#: Clearances to coil bind (m) closer than this are one, as lift differs a little from part to part.
+SAME = 20e-6
 #: Stiffness (N/m) and damping (N s/m) at the valve tip of a rocker that a case calls rigid, both assumed.
 BENDS = 40e6, 100.0
 #: Key of the limit of a train as it is.
@@ -267,7 +270,7 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     def done(finished: int, total: int) -> None:
         tell(OF_BASE + (1 - OF_BASE) * finished / total, "parts")
 
-    shared = search, ranking, limits, numbers[STRESS]
+    shared = search, ranking, limits, numbers
     changes = map_points(_changed, shared, parts, count, processes=True, tell=done)
     unknown = (
         _change(
@@ -312,12 +315,19 @@ def _prepared(
     stresses = [one for name, one in runs[0].items() if name.endswith(STRESS)]
     lost = {name: run.get(name, math.nan) for name, run in zip(FLEX, runs, strict=True)}
     flex = {name: 0.0 if value < 0 else value for name, value in lost.items()}
-    return problem, ready, {"preload": seat, STRESS: max(stresses, default=math.nan), **flex}
+    left = runs[0].get(BIND, math.nan)
+    return (
+        problem,
+        ready,
+        {"preload": seat, STRESS: max(stresses, default=math.nan), BIND: left, **flex},
+    )
 
 
-def _changed(shared: tuple[Search, PartRanking, Limits, float], part: Part) -> PartChange:
+def _changed(
+    shared: tuple[Search, PartRanking, Limits, Mapping[str, float]], part: Part
+) -> PartChange:
     """The gain of one changed train; what it refuses is its ``refusal``."""
-    search, ranking, limits, stress = shared
+    search, ranking, limits, before = shared
     try:
         # what is unusual of a changed part is no slip of its user
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
@@ -329,10 +339,10 @@ def _changed(shared: tuple[Search, PartRanking, Limits, float], part: Part) -> P
         return PartChange(
             part.name, part.price, refusal=reason(error), setting=part.setting, chosen=part.chosen
         )
-    change = _change(part, ranking, limits, limits_of(found))
+    change, left = _change(part, ranking, limits, limits_of(found)), numbers[BIND]
     return replace(
-        change, seat_load_change=numbers["preload"] - ranking.seat_load, stress_change=numbers[STRESS] - stress, chosen=part.chosen,
-        lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]],
+        change, seat_load_change=numbers["preload"] - ranking.seat_load, stress_change=numbers[STRESS] - before[STRESS], chosen=part.chosen,
+        lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]], bind_clearance=left if left < before[BIND] - SAME else math.nan,
     )  # fmt: skip
 
 

@@ -24,6 +24,8 @@ RPM = math.pi / 30
 #: Lift above the rigid lift from which a valve floats, and height from which a bounce counts (m):
 #: of critical speeds unless others are requested, and of every verdict.
 FLOAT_LIFT, BOUNCE_HEIGHT = 50e-6, 100e-6
+#: Travel to coil bind at full lift (m) below which it is close.
+NEAR_BIND = 1e-3
 #: Factors on the damping of the springs at which critical speeds are repeated.
 DAMPING_FACTORS = (0.6, 1.5)
 #: Further ranges of lost control that are named one by one.

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from valvetrain.solution.critical import RPM
+from valvetrain.solution.critical import NEAR_BIND, RPM
 from valvetrain.solution.display import Saveable, frame
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 #: Unit of each number of a change.
 UNITS = {
     "engine_speed": "rad/s", "gain": "rad/s", "least_gain": "rad/s", "largest_gain": "rad/s", "seat_load_change": "N", "stress_change": "Pa",
-    "lift_loss": "m", "time_lost": "rad",
+    "lift_loss": "m", "time_lost": "rad", "bind_clearance": "m",
 }  # fmt: skip
 
 
@@ -29,6 +29,7 @@ class PartChange:
     other damping of both trains give. ``seat_load_change`` (N), and ``stress_change`` (Pa) of the wire at full lift, NaN
     of a spring without a wire. ``lift_loss`` (m, at the lowest speed in use) and ``time_lost`` (rad of the crank, above 0.050 in of
     lift, at the lowest speed searched) are what flex takes. ``chosen``: whether a shop can choose it; else it is what nobody knows.
+    ``bind_clearance`` (m): what it leaves to coil bind at full lift, where that is less than before; else NaN.
     ``setting``: what sets it on a command line, empty where a case file has to. ``refusal``: why the changed train cannot run,
     whose numbers are NaN then.
     """
@@ -43,6 +44,7 @@ class PartChange:
     stress_change: float = math.nan
     lift_loss: float = math.nan
     time_lost: float = math.nan
+    bind_clearance: float = math.nan
     chosen: bool = True
     setting: str = ""
     refusal: str = ""
@@ -51,6 +53,11 @@ class PartChange:
     def sign(self) -> int:
         """1 where the whole range is a gain, -1 where it is a loss, 0 for neither."""
         return 1 if self.least_gain > 0 else -1 if self.largest_gain < 0 else 0
+
+    @property
+    def near_bind(self) -> bool:
+        """Whether it brings the coils closer than :data:`NEAR_BIND`."""
+        return self.bind_clearance < NEAR_BIND
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -86,9 +93,8 @@ class PartRanking(Saveable):
 
     @property
     def best(self) -> PartChange | None:
-        """The part that gains most of those that surely gain, else of all; None where none was searched."""
-        sure = [one for one in self.choices if one.sign > 0]
-        return next(iter(sure or self.choices), None)
+        """The part that gains most of those that surely gain, first of those that keep off coil bind, else of all; None where none was searched."""
+        return min(self.choices, key=lambda one: (one.sign <= 0, one.near_bind), default=None)
 
     def __repr__(self) -> str:
         rows = [

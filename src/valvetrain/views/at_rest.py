@@ -17,9 +17,10 @@ from valvetrain.findings.rules_rest import (
     speed_of,
     strongest,
 )
-from valvetrain.findings.rules_spring import NEAR, WOUND
+from valvetrain.findings.rules_spring import WOUND
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
+from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.static import POINT_QUANTITIES, RestPoint
 from valvetrain.views.shown import ShownStudy
@@ -89,9 +90,11 @@ def bind_line(
 ) -> Line:
     """A row of :data:`TO_BIND`: as its finding says, else with the limit, and a tick unless what is ``left`` is below it."""
     about = [one for one in findings.about(TO_BIND[label]) if one.mark != "ok"]
-    close = left is not None and left.value < NEAR
+    close = left is not None and left.value < NEAR_BIND
     mark: Mark = about[0].mark if about else "warn" if close else "ok"
-    limit = "" if about else f"{note}, limit {words.amount(Amount('coil_bind_clearance', NEAR))}"
+    limit = (
+        "" if about else f"{note}, limit {words.amount(Amount('coil_bind_clearance', NEAR_BIND))}"
+    )
     return Line(
         label,
         tuple(cells),

@@ -73,6 +73,10 @@ class PartsAnswer(ShownByRules):
         mark = marks[change.sign] if change.chosen else "warn" if doubts else ""
         price = "; ".join(filter(None, ("" if change.sign else "not sure", change.price)))
         price = doubts[0].remark if doubts else price
+        if change.near_bind:
+            mark = "bad" if change.sign < 0 else "warn"
+            left = self.words.amount(Amount("coil_bind_clearance", change.bind_clearance))
+            price = f"only {left} left to coil bind; {price}"
         stress = self._signed("peak_shear_stress", change.stress_change)
         cells = (
             reached_text(change.engine_speed, self.ranking), gain_text(change), range_text(change), self._lost(change.lift_loss),

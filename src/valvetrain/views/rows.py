@@ -12,7 +12,6 @@ import numpy as np
 
 from valvetrain.findings.engine import Fields, Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.rules_sweep import (
     ALIKE,
     SPEED,
@@ -36,6 +35,7 @@ from valvetrain.findings.words import (
 )
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.registry import BUILT_IN
+from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.definition import tables
 from valvetrain.solution.result import Solution
 from valvetrain.views.at_rest import rest_headings, rest_lines
@@ -116,9 +116,9 @@ ROWS = (
     Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
     Row("you have", ("{preload..open_spring_force}",), "seat to full lift, at rest", "train"),
     Row("surge, 0 to peak", ("{surge_amplitude_force}",)),
-    Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
+    Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR_BIND, least=True)),
     Row("by wire and turns", ("{wound_least_clearance..wound_most_clearance} left",), "to coil bind at full lift",
-        limit=Limit("wound_least_clearance", NEAR, least=True)),
+        limit=Limit("wound_least_clearance", NEAR_BIND, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{outer_minimum_shear_stress..outer_peak_shear_stress} outer",
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
