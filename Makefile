@@ -5,11 +5,12 @@ VENV := .venv$(if $(PYTHON),-$(notdir $(PYTHON)))$(if $(LOWEST),-lowest)
 BIN  := $(VENV)/bin
 # One thread per worker: runs are parallel over cases and tests, never inside one.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+OF_THE_PACKAGE := --ignore=tests/development --ignore=tests/examples --ignore=tests/browser
 PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate validate-all bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults guides workbench
+.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-slow test-long validate validate-all bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -19,7 +20,8 @@ help:
 	@echo "make test-development  benchmarks, scripts, faults and seeded faults run with their smallest inputs"
 	@echo "make test-browser  pages and workbench, looked at in a browser"
 	@echo "make test-docs the programs and commands of README, documentation and examples"
-	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
+	@echo "make test-slow the tests of more than five seconds, which make test leaves out"
+	@echo "make test-long the tests that check many inputs where a shorter one checks one (some minutes)"
 	@echo "make validate  the rows of the validation book but those of whole studies (some minutes)"
 	@echo "make validate-all  the whole validation book (docs/validation.md) and the long checks over every case (hours)"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
@@ -47,7 +49,10 @@ run: environment-run
 	$(BIN)/valvetrain run $(CASE)
 
 test: environment-test parts
-	$(PYTEST) --ignore=tests/development --ignore=tests/examples --ignore=tests/browser -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+	$(PYTEST) -m "not slow" $(OF_THE_PACKAGE) -o junit_family=xunit1 --junitxml=build/tests/all.xml $(ARGS)
+
+test-slow: environment-test parts
+	$(PYTEST) -m slow $(OF_THE_PACKAGE) -o junit_family=xunit1 --junitxml=build/tests/slow.xml $(ARGS)
 
 test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
@@ -89,7 +94,7 @@ faults: environment-test
 
 # Another processor rounds elsewhere: the tests of limits and orders with the kernels of OpenBLAS for one from 2004.
 test-processor: environment-test
-	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not slow and not long and not chromium and not calculix" tests/order tests/limits $(ARGS)
+	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not chromium and not calculix" tests/order tests/limits $(ARGS)
 
 # Benchmarks, scripts, faults and seeded faults, each with its smallest input; test by test, as one file takes most of the time.
 test-development: environment-test

@@ -60,6 +60,7 @@ def server(room):
         yield one
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_while_a_job_runs_costs_that_job_alone(room, server):
     """The slot stayed taken for ever, pages failed, and tracebacks were written by the megabyte."""
     queue(room / "bench", "20260101-000000-00000001")
@@ -266,6 +267,7 @@ def test_a_damaged_database_is_named_on_the_page(room, server):
     wait_for(lambda: job(server).get("state") == state)
 
 
+@pytest.mark.slow
 def test_a_workspace_that_becomes_read_only_is_shown_and_ended_well(room, server):
     """The last test of this server: it ends here."""
     bench = room / "bench"

@@ -58,6 +58,7 @@ def test_the_float_speed_moves_smoothly_with_the_valve_mass() -> None:
     assert fine < 0 and fine == pytest.approx(coarse, rel=0.05)
 
 
+@pytest.mark.slow
 def test_repeats_from_the_motion_of_a_near_speed_find_what_those_from_rest_find(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

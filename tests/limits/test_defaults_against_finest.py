@@ -65,6 +65,7 @@ def test_bars_hold_where_impacts_depend_on_the_step():
     assert not all(one.repeats for one in numbers)
 
 
+@pytest.mark.slow
 def test_bars_of_a_reduced_rod_hold_a_finer_division_in_every_number():
     """Bars beside the rod alone left most numbers without one, and the mesh out of those that had one: of 71
     numbers eleven were beyond, a spring force of the pushrod's wire by 190 N with a bar of 33 N.

@@ -100,6 +100,7 @@ def outcomes(folder, seed):
 
 
 @pytest.mark.parametrize("seed", FEW)
+@pytest.mark.slow
 def test_a_mesh_gives_its_spring(tmp_path, seed):
     rows, codes, right = outcomes(tmp_path, seed)
     assert right and not {"Y101", "Y102"} & set(codes)

@@ -21,6 +21,7 @@ CASES = [("job-c", "3000 rpm", ""), (pushrod().parameters, "6000 rpm", "wire")]
 
 
 @pytest.mark.parametrize(("case", "speed", "spring_set"), CASES, ids=["job-c", "pushrod"])
+@pytest.mark.slow
 def test_the_bar_holds_what_rods_on_two_grids_have(case, speed, spring_set):
     """Near coil bind the bar was 67 N and the rod 166 N away."""
     sets = {"spring_sets": spring_set} if spring_set else {}
@@ -37,6 +38,7 @@ def test_the_bar_holds_what_rods_on_two_grids_have(case, speed, spring_set):
             assert abs(row.value - rod.quantities[name]) <= row.numerical + 1e-3 * row.value, name
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_spring_alone_is_judged_by_its_rod_too():
     swept = vt.sweep("job-c", "3000 rpm", "reduced-rod", compute="error_bars", workers=1)
     assert not len(swept.solutions[0].time)

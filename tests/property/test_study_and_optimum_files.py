@@ -52,6 +52,7 @@ def test_the_examples_are_taken(reader, text):
 
 @FEW
 @given(st.sampled_from(TEXTS), st.data())
+@pytest.mark.slow
 def test_a_file_with_a_piece_replaced_is_taken_or_refused_in_one_sentence(example, data):
     reader, text = example
     begin = data.draw(st.integers(0, len(text) - 1))

@@ -46,6 +46,7 @@ def printed() -> dict[str, tuple[str, ...]]:
     return {row[0]: tuple(row[1:]) for row in rows if len(row) > 1 and row[0] != "value"}
 
 
+@pytest.mark.slow
 def test_the_page_prints_every_value_as_it_comes_out(study: Study) -> None:
     """Within 2 % of the printed number (spikes 10 %), the same words on what is met, and the counts."""
     rows = printed()

@@ -164,6 +164,7 @@ def test_rod_and_chain_of_many_masses_are_the_same_spring():
     assert gaps[2] < 2.0  # N, of 720
 
 
+@pytest.mark.slow
 def test_contact_is_lost_at_the_speed_of_rigid_theory_and_later_with_the_stiffer_spring():
     case = load_case("tdi-pushrod")
     for chosen, speeds in (

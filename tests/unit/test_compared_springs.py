@@ -130,6 +130,7 @@ def test_a_stopped_search_is_named_and_ranks_nothing(both, monkeypatch):
     assert "R103" in codes and not any(one.startswith(("D", "W")) for one in codes)
 
 
+@pytest.mark.slow
 def test_what_both_leave_on_the_cam_is_at_a_speed_at_which_both_keep_it(both):
     study = sweep_study(
         CompareSprings(

@@ -224,6 +224,7 @@ def swept(speeds: str, red_line: float | None = None, sets: tuple[str, ...] = ("
     return replace(runs, critical_speeds=found, record=record)
 
 
+@pytest.mark.slow
 def test_a_sweep_says_to_which_speed_control_is_kept():
     lost, kept, never = (
         swept(one) for one in ("6000:8000:1000 rpm", "3000:5000:1000 rpm", "8000:9000:1000 rpm")

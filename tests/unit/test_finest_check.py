@@ -63,6 +63,7 @@ def test_a_function_has_no_finer_model():
     assert not plan.confirmations
 
 
+@pytest.mark.slow
 def test_what_the_finest_says_of_springs_at_rest_is_its_own():
     """Preload of the best by the straight line of its rate, and by the rod, whose coils close one after the other."""
     text = """

@@ -88,6 +88,7 @@ def chain_at(stiffness: float, word: str = "multi-mass") -> dict[str, float]:
     return dict(made.solutions[-1].quantities)
 
 
+@pytest.mark.slow
 def test_contact_constants_decide_the_raw_peak_and_not_the_peak_below_10_khz():
     soft, own, hard = (chain_at(factor) for factor in (0.25, 1.0, 4.0))
     for other in (soft, hard):

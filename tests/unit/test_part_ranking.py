@@ -224,6 +224,7 @@ def test_a_ranking_shows_bars_with_ranges_and_is_saved(tmp_path: Path) -> None:
     assert repr(vt.load(WHOLE.save(tmp_path / "parts.nc"))) == repr(WHOLE)
 
 
+@pytest.mark.slow
 def test_gains_of_one_mass_are_those_of_rigid_theory(tmp_path: Path) -> None:
     """Limit: one mass on a stiff cam under a spring without waves, whose contact moves each limit by less than half a per
     cent; by the command, whose folder holds the ranking.

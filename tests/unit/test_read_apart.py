@@ -49,6 +49,7 @@ def test_the_end_of_a_trial_is_told(reader_of_tests, end):
         reader_of_tests(end)
 
 
+@pytest.mark.slow
 def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch):
     """It takes none of the processor's time, which is bounded otherwise."""
     monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)

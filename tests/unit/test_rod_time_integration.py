@@ -120,6 +120,7 @@ def prepared(spring: SpringDefinition, per_coil: int, compression: float, dynami
 
 
 @pytest.mark.parametrize("clash", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.slow
 def test_march_against_an_independent_integrator(clash):
     """Same equations, other method: both damping kinds, large motion, and a clash at low contact
     stiffness.

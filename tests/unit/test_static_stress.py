@@ -24,6 +24,7 @@ def numbers(word: str, stiffness: float) -> dict[str, float]:
     return dict(simulate(changed, models=(word,), workers=1).solutions[-1].quantities)
 
 
+@pytest.mark.slow
 def test_contact_constants_move_no_stress_by_the_standard():
     found = [numbers("multi-mass", factor) for factor in (0.25, 1.0, 4.0)]
     for name in AT_REST:

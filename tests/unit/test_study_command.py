@@ -102,6 +102,7 @@ def points_kept(folder) -> int:
     return file.read_bytes().count(b"\n") if file.exists() else 0
 
 
+@pytest.mark.slow
 def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_twice(tmp_path):
     """Ended twice, first in a way that it hears, then in one that it does not."""
     text = study_text(levels=8)

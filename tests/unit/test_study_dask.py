@@ -165,6 +165,7 @@ def threads_of_this_process(count: int) -> Iterator[str]:
     ],
     ids=["springs", "trains", "refine"],
 )
+@pytest.mark.slow
 def test_what_runs_side_by_side_has_the_bits_of_one_process_on_a_cluster(compute, monkeypatch):
     """Contract: sweeps and refinements go to the cluster in use."""
     submitted = noted_submissions(monkeypatch)

@@ -31,6 +31,7 @@ def study(folder, text: str, case: str = "train.toml") -> vt.explore.StudyTable:
     return vt.study(folder / "study.toml", workers=1)
 
 
+@pytest.mark.slow
 def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
     """Other path: the search for critical speeds between the speeds of a sweep."""
     speeds = "4500:9000:1500 rpm"

@@ -26,6 +26,7 @@ def tables():
 
 
 @pytest.mark.filterwarnings("ignore")
+@pytest.mark.slow
 def test_every_series_has_a_unit():
     checked = 0
     for name, one in tables():
