@@ -105,10 +105,11 @@ def unknown(facts: PartFacts) -> Hits:
 
 
 def flex(facts: PartFacts) -> Hits:
-    """Flex takes lift, and how much of it the stiffest part leaves."""
+    """Flex takes lift, and how much of it the stiffest part leaves of those that surely gain: a softer spring bends less too."""
     ranking = facts.ranking
     if ranking.lift_loss > 0:
-        stiffer = [one for one in ranking.choices if one.lift_loss < LESS * ranking.lift_loss]
+        gaining = (one for one in ranking.choices if one.sign > 0)
+        stiffer = [one for one in gaining if one.lift_loss < LESS * ranking.lift_loss]
         best = min(stiffer, key=lambda one: one.lift_loss, default=None)
         fields: Fields = {
             "time": Amount(LOST[1], ranking.time_lost), "speed": speed_text(ranking.first_engine_speed),

@@ -13,7 +13,7 @@ from valvetrain.runs.prepared import law_lift, prepare
 from valvetrain.solution.status import reason
 from valvetrain.springs.contract import TabulatedSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.system.problem import Member, Problem
+from valvetrain.system.problem import CHAIN, Member, Problem
 
 #: Parts of a train with friction.
 RUBBING = ("follower", "valve")
@@ -112,15 +112,21 @@ def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str
 
 def _refusal(problem: Problem, member: Member) -> str:
     """Why a member cannot be integrated, empty where it can. A train on springs of tables, which take seconds each, is
-    prepared on massless ones, once their rods have reached its lift.
+    prepared on massless ones, once their rods have reached its lift; a default model whose rods do not, on the chains that
+    run in its place.
     """
     try:
         springs = member.system({}, problem.built).springs
         tabulated = [spring for spring in springs if isinstance(spring, TabulatedSpring)]
         for spring in tabulated:
             spring.refuse_unreached()
+        light = "massless" if tabulated else member.model.word
     except (InputError, ArithmeticError, ValueError) as error:
-        return reason(error)
-    massless = replace(member, model=spring_model("massless"))
-    prepared = massless if tabulated and not massless.refusal else member
+        wires = all(spring.wire for spring in member.springs)
+        if not (wires and member.by_default) or member.model.word == CHAIN:
+            return reason(error)
+        light = CHAIN
+    prepared = replace(member, model=spring_model(light))
+    if prepared.refusal:
+        prepared = member
     return prepare(problem, prepared, {}, problem.record.study).refusal
