@@ -143,7 +143,7 @@ def test_margin_is_the_spring_less_the_inertia_over_the_nose(study):
 def test_both_springs_share_the_force_that_is_drawn(study):
     """Closed form: the forces of two nested springs add up to that on the retainer."""
     drawn = {one.name: one.y for one in force(Facts(study)).data}
-    both = drawn["outer"] + drawn["inner"]
+    both = drawn["outer, 11000 rpm"] + drawn["inner, 11000 rpm"]
     assert both == pytest.approx(drawn["11000 rpm"], rel=1e-3)
 
 

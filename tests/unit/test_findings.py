@@ -125,20 +125,22 @@ def test_a_rule_holds_in_one_run_and_not_in_another(code, holds, holds_not):
     assert code not in findings_of(study(holds_not)).codes
 
 
-def test_a_force_on_the_cam_before_a_flight_ends_is_no_blow_of_its_landing():
-    """A bucket parts by 3 um a few degrees behind its largest force, while the train swings back."""
+def test_a_force_on_the_cam_is_the_blow_of_the_lash_or_of_a_landing_or_none():
+    """Where a bucket takes up its lash it strikes the stem: 874 N by the usual steel contacts, 653 to 674 N by linear ones of
+    60 to 400 kN/mm. It parts by 3 um a few degrees later, whose landing is not the largest force. At 3000 rpm the nose has it.
+    """
     answers = {
         "seat_load": "240 N", "height": "34 mm", "rate": "38 N/mm", "spring_mass": "10.23 g", "lift": "9.2 mm",
         "duration": "240", "checking_lift": "1 mm", "lash": "0.2 mm", "valve_mass": "24.2 g", "lifter_mass": "15 g",
     }  # fmt: skip
-    flying = vt.simulate(
-        vt.Case(parse_case(card_case_text("direct", answers))), "7800 rpm", **MODAL
-    )
-    (run,) = Facts(flying).runs
+    bucket = vt.Case(parse_case(card_case_text("direct", answers)))
+    struck, calm = (vt.simulate(bucket, speed, **MODAL) for speed in ("7800 rpm", "3000 rpm"))
+    (run,) = Facts(struck).runs
     ends = [one.details["landing_cam_angle"] for one in run.events if one.kind == "loft"]
     peak = run.quantities["peak_cam_contact_force_cam_angle"]
     assert any(math.radians(0.5) < end - peak < math.radians(5) for end in ends)
-    assert "C123" not in findings_of(flying).codes
+    assert hardest(Facts(struck), run).startswith("lash ") and "C123" in findings_of(struck).codes
+    assert "C123" not in findings_of(calm).codes
 
 
 def test_a_lash_that_recuts_the_cam_is_said():

@@ -41,7 +41,7 @@ SPANS = 3
 TURN = 2 * math.pi
 #: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
 AHEAD, SHUT = 0.02, 0.003
-#: Cam angle (rad) before and after the end of a flight in which a force is that of its blow.
+#: Cam angle (rad) before and after a blow in which a force is its own.
 BLOW = (math.radians(0.5), math.radians(3))
 
 
@@ -114,16 +114,20 @@ class Facts:
         blow = OF_CONTACT.search(name) or (name == "peak_cam_contact_force" and self.struck(run))
         return Amount(name, value, bar, CONSTANTS if value != 0 and blow else "")
 
-    def struck(self, run: Solution) -> bool:
-        """Whether the largest force on the cam is the blow with which a flight ends."""
-        angle = self.value(run, "peak_cam_contact_force_cam_angle")
+    def struck(self, run: Solution) -> str:
+        """The blow that the largest force on the cam is: of a ``landing`` after a flight, or of the ``lash`` that is taken
+        up; empty for none.
+        """
+        angle, (before, after) = self.value(run, "peak_cam_contact_force_cam_angle"), BLOW
         ends = [one.details.get("landing_cam_angle") for one in run.events if one.kind == "loft"]
-        before, after = BLOW
-        return any(
+        if any(
             (angle - float(one) + before) % TURN <= before + after
             for one in ends
             if one is not None
-        )
+        ):
+            return "landing"
+        opens = self.value(run, "rigid_valve_lash_opening_cam_angle")
+        return "lash" if (angle - opens + after) % TURN <= 2 * after else ""
 
     def amounts(
         self, name: str, runs: Iterable[Solution] | None = None

@@ -84,18 +84,18 @@ def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
 
 
 def hardest(facts: Facts, run: Solution) -> str:
-    """Where on the cam its largest force acts: part of the lobe, or ``landing`` after a flight, and the cam angle (deg)."""
+    """Where on the cam its largest force acts: part of the lobe, or the blow that it is, and the cam angle (deg)."""
     angle = facts.value(run, "peak_cam_contact_force_cam_angle")
     if not math.isfinite(angle):
         return ""
-    part = "landing" if facts.struck(run) else lobe_part(facts, run, angle)
+    part = facts.struck(run) or lobe_part(facts, run, angle)
     part = part.removeprefix("the ").removesuffix(" flank")
     return f"{part} {math.degrees(angle):.0f}".strip()
 
 
 @per_run
 def blow(facts: Facts, run: Solution) -> Hit | None:
-    """The largest force on the cam is the blow of a landing, which contact constants decide."""
+    """The largest force on the cam is the blow of a landing or of the lash, which contact constants decide."""
     return Hit(run=run, fields={"place": hardest(facts, run)}) if facts.struck(run) else None
 
 

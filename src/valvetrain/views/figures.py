@@ -151,7 +151,8 @@ def force(facts: Facts) -> go.Figure | None:
         fig.add_trace(line(degrees(last), still, "at rest", RIGID, "dash"), 1, 1)
     for spring in last.springs:  # of a nested pair
         if last.has(channel := f"{spring}_retainer_force"):
-            fig.add_trace(line(degrees(last), over_turn(last, channel), spring, OTHER, "dot"), 1, 1)
+            name = f"{spring}, {speed_text(last.engine_speed)}"
+            fig.add_trace(line(degrees(last), over_turn(last, channel), name, OTHER, "dot"), 1, 1)
     several = len({run.engine_speed for run in runs}) > 1
     for run, colour in zip(runs, SPEEDS, strict=False):
         name = run.label if facts.several else speed_text(run.engine_speed)
@@ -276,7 +277,7 @@ CONTROL = FigureSpec(
 )
 FORCE = FigureSpec(
     "Spring force over the cam angle",
-    "below 10 kHz; dotted: each of two springs at the highest speed; dots: the hardest blows of coils, sized by force",
+    "below 10 kHz; dots: the hardest blows of coils, sized by force",
     force,
 )
 LIFT = FigureSpec("Lift, velocity and acceleration", "of the run that decides", lift)
