@@ -70,7 +70,7 @@ HOLDS = {
     "Z101": ("dual", "plain"), "Z102": ("long", "plain"), "Z103": ("off", "tested"),
     **{f"Z10{k}": ("doubted", "tested") for k in range(4, 8)}, "Z112": ("alone", "tested"),
     "Z108": ("solid", "plain"), "Z110": ("plain", "long"), "Z111": ("tested", "off"),
-    "Z120": ("plain", "beehive"), "Z121": ("noted", "tested"), "Z130": ("plain", "named"), "Z131": ("plain", "solid"), "Z132": ("solid", "plain"),
+    "Z121": ("noted", "tested"), "Z130": ("plain", "named"), "Z131": ("plain", "solid"), "Z132": ("solid", "plain"),
     "Z133": ("turns", "single"), "Z134": ("single", "turns"), "Z135": ("odd", "solid"), "Z136": ("beehive", "plain"), "Z137": ("plain", "tested"),
     "Z138": ("plain", "tested"), "Z139": ("plain", "long"), "Z140": ("tested", "plain"), "Z141": ("tested", "plain"),
 }  # fmt: skip

@@ -302,15 +302,6 @@ def ground_off(turns: float) -> float:
     return float(np.trapezoid(lost, depth))
 
 
-def moving_mass(card: CatalogueCard) -> float:
-    """Mass (kg) that moves in a cylindrical spring known by its card alone: of the turns that its rate
-    requires, rho pi^2 d^2 D n / 4.
-    """
-    wire, mean = card.wire_diameter, card.outer_diameter - card.wire_diameter
-    turns = card.wire.shear_modulus * wire**4 / (8 * mean**3 * card.rate)
-    return float(card.wire.density * np.pi**2 * wire**2 * mean * turns / 4)
-
-
 def weight(spring: SpringDefinition) -> float:
     """Mass (kg) on the scales: of the wire less what is ground away at both ends."""
     mass = spring.mass

@@ -11,7 +11,7 @@ from valvetrain.findings.words import Amount, digits_text, percent
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.statics import design_quantities
 from valvetrain.solution.definition import label_of
-from valvetrain.spring_card.card import GROUND, INACTIVE, doubt_of, moving_mass
+from valvetrain.spring_card.card import GROUND, INACTIVE, doubt_of
 from valvetrain.spring_card.fit import CardDeviation, SpringFit
 from valvetrain.spring_card.tester import MISFIT, PitchStations, TesterFit
 
@@ -132,19 +132,6 @@ def doubts_of(code: str) -> Condition:
     return hits
 
 
-def in_engine(facts: CardFacts) -> Hits:
-    """What a wire has in an engine that its card alone has not."""
-    for fit in (fit for fit in facts.by_card if fit.card.top_outer_diameter is None):
-        wire, card = fit.definition, fit.card
-        span = (wire.total_coils - wire.upper_end.inactive_coils, wire.total_coils)
-        ends = wire.material.density * wire.integrate_along_wire(wire.wire_diameter, 2, span)
-        mass = moving_mass(card)
-        yield Hit(Amount("mass", np.pi / 4 * ends), fields={
-            "surge": Amount("surge_frequency", facts.quantities["estimated_surge_frequency"]), "mass": Amount("mass", mass),
-            "alone": Amount("surge_frequency", 0.5 * float(np.sqrt(card.rate / mass))),
-        })  # fmt: skip
-
-
 def noted(facts: CardFacts) -> Hits:
     """Something was found in the table, such as unloading besides loading."""
     if isinstance(facts.fit, TesterFit) and facts.fit.table.notes:
@@ -185,8 +172,6 @@ RULES = (
          "the wire meets the table within {off:2}, {share} of its largest force", CHECK, mark="ok", unless=("Z10",)),
     Rule("Z112", "decides", "the table makes a rate of {value:4}, {force:4}[, coil bind at {bind:3}]", by_table, (),
          "no wire is known", "give --wire-diameter and --outer-diameter for the wire", mark="ok", unless=("Z10", "Z111")),
-    Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
-         "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
     Rule("Z121", "notes", "{said}", noted),
     left("Z130", "no material is given: {steel} with G = {value}; 1 % of G is 1 % of the active turns", "{steel}", "material"),
     left("Z131", f"no turns, mass or solid height are given: {INACTIVE:g} inactive turn at either end, so mass and bind are open",
