@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import cycle
 
@@ -11,16 +11,14 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.arrays import Array
-from valvetrain.findings.engine import Findings, judge
-from valvetrain.findings.words import Amount, Words, speed_text
+from valvetrain.findings.words import Amount, speed_text
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import OFF, LobeResult, figure_text, lift_figures
 from valvetrain.lift.rules import RULES, LiftFacts
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, SmoothedLift, smooth_lift
 from valvetrain.solution.definition import label_of
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, BAD, LEAD, OTHER, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -41,12 +39,13 @@ OFF_HINT = f"red: more than {OFF:g} standard deviations off; a run of stations o
 
 
 @dataclass(frozen=True)
-class LiftAnswer(Shown):
+class LiftAnswer(ShownByRules):
     """What is shown of ``measured`` lifts; ``name`` of the table."""
+
+    rules = RULES
 
     measured: LiftFacts
     name: str = ""
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> LiftFacts:
@@ -60,11 +59,6 @@ class LiftAnswer(Shown):
         said = [f"{one.measured.lift_of} lift" for one in self.facts.lobes[:1]]
         case = "" if study is None else study.mean.record.title or study.mean.record.name
         return ", ".join(filter(None, (self.name, *said, case)))
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def headings(self) -> list[str]:

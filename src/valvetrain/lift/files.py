@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.arrays import Array
 from valvetrain.lift.figures import LobeResult
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -16,6 +15,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_case import lend
 from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.solution.atomic import write_text
+from valvetrain.views.files import csv_of
 
 #: Cam degrees between the rows of the curves.
 STEP = 0.25
@@ -69,7 +69,8 @@ def write_lift(
             heads += [what, f"standard deviation of {what}"]
             law = lobe.smoothed
             columns += [1e3 * law.lift(angles, order), 1e3 * law.spread(angles, order)]
-        files.append(write_columns(folder / f"{name}.csv", heads, columns))
+        table = csv_of(heads, np.column_stack(columns).tolist(), 9)
+        files.append(write_text(folder / f"{name}.csv", table))
         files.append(
             write_text(
                 folder / f"{name}.toml",
@@ -78,9 +79,3 @@ def write_lift(
             )
         )
     return files
-
-
-def write_columns(path: Path, headings: Sequence[str], columns: Sequence[Array]) -> Path:
-    """A file of ``columns`` (rows,) below their ``headings``."""
-    rows = (",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns))
-    return write_text(path, "\n".join([",".join(headings), *rows]) + "\n")

@@ -11,9 +11,10 @@ import numpy as np
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.lift.figures import LiftFigure, LobeResult, figure_of, overshoot
-from valvetrain.lift.files import write_columns
 from valvetrain.measured.contours import TURN, Follower, contour_of_lift, curvature_of_contour
 from valvetrain.measured.lift_smoothing import BAND
+from valvetrain.solution.atomic import write_text
+from valvetrain.views.files import csv_of
 
 #: Points of a contour, draws behind a standard deviation, and largest roller (m) that is looked for.
 POINTS, DRAWS, LARGEST = 1440, 40, 1.0
@@ -122,7 +123,6 @@ def write_contours(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
             lengths = 1e3 * np.array([one.radii, x, y, one.curvature_radii])
             turns = np.degrees([one.polar_angles, one.pressure_angles])
             name = f"{lobe.measured.name}-contour.csv"
-            files.append(
-                write_columns(folder / name, HEADINGS, [angles, turns[0], *lengths, turns[1]])
-            )
+            columns = np.column_stack([angles, turns[0], *lengths, turns[1]])
+            files.append(write_text(folder / name, csv_of(HEADINGS, columns.tolist(), 9)))
     return files

@@ -20,7 +20,7 @@ from valvetrain.scan.result import ScannedSpring
 from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.files import spring_text
+from valvetrain.views.files import csv_of, spring_text
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import LEAD, RIGID, SECOND, FigureSpec, band, dots, line, panels, styled
 from valvetrain.views.table import Line, TextTable
@@ -120,13 +120,9 @@ class ScanAnswer(ShownByRules):
             curves.coil, 1e3 * curves.mean_diameter, 1e3 * curves.mean_diameter_spread, 1e3 * curves.height, 1e3 * curves.height_spread,
             1e3 * curves.pitch, 1e3 * curves.pitch_spread, 1e3 * curves.centre_line,
         ])  # fmt: skip
-        lines = [
-            ",".join(HEADINGS),
-            *(",".join(f"{value:.7g}" for value in row) for row in columns),
-        ]
         return [
             write_text(folder / "spring.toml", self.text),
-            write_text(folder / "curves.csv", "\n".join(lines) + "\n"),
+            write_text(folder / "curves.csv", csv_of(HEADINGS, columns.tolist(), 7)),
         ]
 
     def figures(self) -> Mapping[str, FigureSpec]:

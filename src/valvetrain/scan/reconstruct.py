@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
+from valvetrain.measured.force_height import column_scale
 from valvetrain.parameters.material import Material, material_by_name
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.clouds import open_cloud
@@ -18,7 +19,6 @@ from valvetrain.scan.definition import curves_of, define, round_wire, upside_dow
 from valvetrain.scan.fit import FittedSpring, fit_spring, seen_around, unseen_sector
 from valvetrain.scan.result import Coverage, ScannedSpring, WireSection
 from valvetrain.scan.tube import TUKEY
-from valvetrain.units import dimension_of, unit_factor
 
 #: Points that are drawn, fewest that define a spring, and share of rows without numbers from which a
 #: file is taken to be damaged.
@@ -127,7 +127,7 @@ def spring_from_scan(
     """
     cloud = open_cloud(file)
     unit_name = unit or cloud.unit
-    factor = 1e3 * _length_unit(unit_name, cloud.name)
+    factor = 1e3 * column_scale(unit_name, "length", "unit", cloud.name)
     if not MIN_POINTS <= points <= 2_000_000:
         raise InputError(
             f"{points} points cannot be fitted; choose {MIN_POINTS} to 2000000", "points"
@@ -171,21 +171,6 @@ def spring_from_scan(
         notes=(*broken, *_assumed(material, parts["definition"])),
         fitted=fitted,
     )
-
-
-def _length_unit(unit: str, name: str) -> float:
-    if not unit:
-        raise InputError(
-            f"'{name}' does not give the unit of its points; state it, such as mm, m or inch",
-            "unit",
-        )
-    try:
-        fits = dimension_of(unit) == "length"
-    except InputError:
-        fits = False
-    if not fits:
-        raise InputError(f"'{unit[:40]}' is no unit of length; use mm, m or inch", "unit")
-    return float(unit_factor(unit))
 
 
 def turned_over(scan: ScannedSpring) -> ScannedSpring:

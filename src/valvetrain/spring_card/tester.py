@@ -5,7 +5,7 @@ where the table says, with intervals.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -214,7 +214,6 @@ def forces_by_rod(definition: SpringDefinition, heights: Array) -> Array:
     return np.array(forces_at(definition, clipped.tolist()))
 
 
-ENDS: tuple[Closes, ...] = ("lower", "upper", "both")
 #: Heights that a fit looks at, most stations of the pitch law and turns to one of them.
 HEIGHTS, STATIONS, TURNS_A_STATION = 36, 7, 0.8
 #: Points of the curve that is shown.
@@ -334,7 +333,11 @@ def spring_from_tester(
     >>> round(fit.wire.active_coils[0], 1), round(fit.rate[0] / 1e3)
     (4.4, 40)
     """
-    read_end(closes)
+    if closes not in get_args(Closes):
+        raise InputError(
+            f"closes is lower, upper or both, not '{str(closes)[:40]}'; say which end of the spring closes first",
+            "closes",
+        )
     height = _reported_height(table) if installed_height is None else installed_height
     if not table.heights[-1] < height <= table.heights[0] * (1 + 1e-9):
         given = (
@@ -450,17 +453,6 @@ def _refuse_turns(table: ForceHeight, card: CatalogueCard, active: float) -> Non
         else ""
     )
     raise InputError(f"this wire and these sizes cannot make this table: {made}{why}; {CHECK}")
-
-
-def read_end(word: str) -> Closes:
-    """The end named by ``word``. Raises :class:`InputError` for another word."""
-    for known in ENDS:
-        if word == known:
-            return known
-    raise InputError(
-        f"closes is lower, upper or both, not '{str(word)[:40]}'; say which end of the spring closes first",
-        "closes",
-    )
 
 
 def card_from_table(table: ForceHeight, **known: object) -> CatalogueCard:
