@@ -115,7 +115,7 @@ def test_turned_over_twice_is_the_same(folder, answer):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ((), "does not give the unit of its points"),
+        ((), "does not say the unit of its length"),
         (("--unit", "kg"), "no unit of length"),
         (("--unit", "m"), "which no valve spring is"),
         (("--unit", "mm", "--points", "10"), "--points: 10 is outside 1500"),

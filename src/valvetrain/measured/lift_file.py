@@ -82,6 +82,8 @@ CHOICES = {
 }  # fmt: skip
 #: Assumed where the question is open, and reported as such.
 ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
+#: Questions of a table of fractions.
+FRACTIONS = ("peak_lift", "duration", "opening")
 #: Question -> how it reads in a refusal.
 QUESTIONS = {
     "angle_of": "whether its angles are of the cam or the crank", "lift_of": "lift measured at the valve or the tappet",
@@ -192,50 +194,48 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
 
 def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredLift, ...]:
     """The lobes in the ``content`` of a file called ``name``; as :func:`read_lift`."""
-    form = next(
-        (word for word in registry.names("lift_formats") if _format(word).recognise(content, name)),
-        None,
-    )
+    forms = map(_format, registry.names("lift_formats"))
+    form = next((one for one in forms if one.recognise(content, name)), None)
     if form is None:
         raise InputError(
             f"'{name[:80]}' is neither text, a workbook nor a drawing; export the table of lifts as text (CSV) or XLSX, a contour as DXF"
         )
-    found = _format(form).read(content, name)
+    found = form.read(content, name)
     if {"radius", "x", "y"} & set(answers.columns or found.columns):
         found, answers = _lifted(found, answers, name), replace(answers, columns=())
-    known = _AnswerSheet(found, answers)
+    elif found.form == "fractions":
+        found, answers = _of_fractions(found, answers)
     columns = _columns(found, answers, name)
-    open_questions = known.still_open()
-    if open_questions:
-        listed = "; ".join(f"{QUESTIONS[question]} ({question})" for question in open_questions)
-        raise InputError(f"{name[:80]} does not say {listed}; answer it", open_questions[0])
-    scale, notes, lobes = known.lift_scale(found, columns), [], []
+    known = _answered(found, columns, answers, name)
+    notes, lobes = [], []
     if "ignore" in columns:
         notes.append(
             f"left out as requested: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
         )
+    turn = unit_factor(known["angle_unit"].answer) * (
+        0.5 if known["angle_of"].answer == "crank" else 1.0
+    )
     for place, word in enumerate(columns):
         if word not in LIFTS:
             continue
-        turns = [before for before in range(place) if columns[before] == "angle"] or [
-            columns.index("angle")
-        ]
-        angles, rows = _cam_angles(found, turns[-1], known), found.rows
+        turns = [at for at, before in enumerate(columns) if before == "angle" and at < place]
+        angles = found.rows[:, turns[-1] if turns else columns.index("angle")] * turn
+        rows = found.rows
         _check_angles(angles, name)
         if angles[0] > angles[-1]:
             angles, rows = angles[::-1], rows[::-1]
-        lifts = rows[:, place] * scale
+        lifts = rows[:, place] * unit_factor(known["lift_unit"].answer)
         refuse_beyond(lifts, "m", f"the {word} in {name[:80]}")
         misfits = {
             other: _misfit(rows[:, at], other, angles, lifts)
             for at, other in enumerate(columns)
             if other in ("velocity", "acceleration")
         }
-        events = _events(word, angles, lifts, form, known, name)
-        lobes += [
-            replace(event, notes=tuple(notes), misfits=misfits, contour=found.contour)
-            for event in events
-        ]
+        lobe = MeasuredLift(
+            word, angles, lifts, known["lift_of"].answer, found.form, answers=tuple(known.values()), notes=tuple(notes),
+            misfits=misfits, changes=found.changes, contour=found.contour
+        )  # fmt: skip
+        lobes += _events(lobe, answers.mend, name)
     names = [lobe.name for lobe in lobes]
     return tuple(
         replace(lobe, name=f"{lobe.name}-{names[: at + 1].count(lobe.name)}")
@@ -306,73 +306,45 @@ def _format(word: str) -> LiftFormat:
     return found
 
 
-@dataclass
-class _AnswerSheet:
-    """Answers as they are found, the user's before the file's, and who gave them."""
+def _of_fractions(found: LiftColumns, answers: LiftAnswers) -> tuple[LiftColumns, LiftAnswers]:
+    """Fractions as angles (rad) and lifts (m), not numbers where an answer is missing, which is refused later."""
+    opening, duration, peak = (
+        math.nan if one is None else one
+        for one in (answers.opening, answers.duration, answers.peak_lift)
+    )
+    rows = found.rows * (duration, peak) + (opening, 0.0)
+    units = replace(answers, angle_unit="", lift_unit="")
+    return replace(found, rows=rows, units=("rad", "m")), units
 
-    found: LiftColumns
-    given: LiftAnswers
-    resolved: dict[str, Answer] = field(default_factory=dict)
 
-    def answer(self, question: str) -> str:
-        if question not in self.resolved:
-            requested, said = getattr(self.given, question), self.found.said.get(question, "")
-            if requested and said and requested != said:
+def _answered(
+    found: LiftColumns, columns: tuple[str, ...], given: LiftAnswers, name: str
+) -> dict[str, Answer]:
+    """Question -> its answer: the user's, else the file's, else an assumption.
+
+    Raises :class:`InputError` for an answer against the file, and one sentence with all questions that are left open.
+    """
+    units = [unit for unit, word in zip(found.units, columns, strict=True) if word in LIFTS and unit]  # fmt: skip
+    said = {"lift_unit": "".join(units[:1]), "angle_unit": found.units[columns.index("angle")]}
+    said |= found.said
+    known: dict[str, Answer] = {}
+    for question in ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction"):
+        asked, stated = getattr(given, question), said.get(question, "")
+        if asked and stated and asked != stated:
+            if not question.endswith("unit") or unit_factor(asked) != unit_factor(stated):
                 raise InputError(
-                    f"{question} is {requested} as requested, but the file says {said}; leave the answer out or correct the file",
+                    f"{question} is {asked} as requested, but the file says {stated}; leave the answer out or correct the file",
                     question,
                 )
-            by, word = (
-                ("asked", requested)
-                if requested
-                else ("file", said)
-                if said
-                else ("assumed", ASSUMED.get(question, ""))
-            )
-            self.resolved[question] = Answer(question, word, by)  # type: ignore[arg-type]
-        return self.resolved[question].answer
-
-    def still_open(self) -> list[str]:
-        fractions = self.found.said.get("lift_unit") == "1"
-        needed = ["angle_of", "lift_of"] + (
-            ["peak_lift", "duration", "opening"] if fractions else []
-        )
-        missing = [
-            question
-            for question in needed
-            if getattr(self.given, question) in ("", None) and not self.found.said.get(question)
-        ]
-        lifts = [
-            unit
-            for unit, word in zip(self.found.units, self.found.columns, strict=True)
-            if word in LIFTS
-        ]
-        if not fractions and not self.given.lift_unit and not any(lifts):
-            missing.append("lift_unit")
-        return missing
-
-    def lift_scale(self, found: LiftColumns, columns: tuple[str, ...]) -> float:
-        if found.said.get("lift_unit") == "1":
-            assert self.given.peak_lift is not None
-            return self.given.peak_lift
-        said = next(
-            (
-                unit
-                for unit, word in zip(found.units, columns, strict=True)
-                if word in LIFTS and unit
-            ),
-            "",
-        )
-        if self.given.lift_unit and said and unit_factor(said) != unit_factor(self.given.lift_unit):
-            raise InputError(
-                f"lift_unit is {self.given.lift_unit} as requested, but the file says {said}; leave the answer out",
-                "lift_unit",
-            )
-        unit = self.given.lift_unit or said
-        self.resolved["lift_unit"] = Answer(
-            "lift_unit", unit, "asked" if self.given.lift_unit else "file"
-        )
-        return unit_factor(unit)
+        by: Teller = "asked" if asked else "file" if stated else "assumed"
+        known[question] = Answer(question, asked or stated or ASSUMED.get(question, ""), by)
+    missing = [question for question, one in known.items() if not one.answer]
+    if found.form == "fractions":
+        missing += [one for one in FRACTIONS if getattr(given, one) is None]
+    if missing:
+        listed = "; ".join(f"{QUESTIONS[question]} ({question})" for question in missing)
+        raise InputError(f"{name[:80]} does not say {listed}; answer it", missing[0])
+    return known
 
 
 def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, ...]:
@@ -397,21 +369,6 @@ def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, 
             "columns",
         )
     return columns
-
-
-def _cam_angles(found: LiftColumns, place: int, known: _AnswerSheet) -> Array:
-    """Cam angles (rad) of the rows, in their order, from the column at ``place``."""
-    raw = found.rows[:, place]
-    ratio = 0.5 if known.answer("angle_of") == "crank" else 1.0
-    if found.said.get("lift_unit") == "1":
-        given = known.given
-        assert given.duration is not None and given.opening is not None
-        return np.asarray((given.opening + raw * given.duration) * ratio)
-    said = found.units[place]
-    if said in ("deg", "rad") and not known.given.angle_unit:
-        known.resolved["angle_unit"] = Answer("angle_unit", said, "file")
-    unit = known.answer("angle_unit")
-    return np.asarray(raw * unit_factor(unit) * ratio)
 
 
 def _check_angles(angles: Array, name: str) -> None:
@@ -450,11 +407,10 @@ def _nose(angles: Array, lifts: Array) -> float:
     return float((high[0] + high[-1]) / 2)
 
 
-def _events(
-    word: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet, name: str
-) -> list[MeasuredLift]:  # fmt: skip
+def _events(column: MeasuredLift, mend: bool, name: str) -> list[MeasuredLift]:
     """The events of one column, each as a lift that rises."""
-    changes = list(known.found.changes)
+    known = {one.question: one.answer for one in column.answers}
+    angles, lifts, changes = column.cam_angles, column.lifts, list(column.changes)
     ends, near = float(np.median(lifts[[0, 1, -2, -1]])), float(np.ptp(lifts)) / 20
     whole = angles[-1] - angles[0] > TURN - 1.5 * float(np.median(np.diff(angles)))
     above, below = np.sum(lifts > lifts.max() - near), np.sum(lifts < lifts.min() + near)
@@ -467,32 +423,28 @@ def _events(
             f"{name[:80]} rests at {1e3 * base:.2f} mm, which is the radius of a base circle or a gauge far from zero; take that off, "
             "or head the columns of a contour angle and radius"
         )
-    if known.answer("direction") == "reversed":
+    if known["direction"] == "reversed":
         angles, lifts = -angles[::-1], lifts[::-1]
     first = angles[0]
     angles, lifts = turned(angles, lifts)
     if angles[0] != first:
         changes.append("the table was begun on its base circle")
-    zero = known.answer("zero")
-    known.answer("angle_of"), known.answer("lift_of")
-    order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
-    answers = tuple(known.resolved[question] for question in order if question in known.resolved)
-    found = []
+    nose, found = known["zero"] == "nose", []
     for event in events_of(angles, lifts):
         theta, lift = angles[event], lifts[event]
         dust = dust_of(theta, lift)
-        if known.given.mend:
+        if mend:
             clean = np.ones(len(theta), dtype=bool)
             for bump in dust:
                 clean &= (theta < bump.first) | (theta > bump.last)
             theta, lift = theta[clean], lift[clean]
-        if zero == "nose":
+        if nose:
             theta = theta - _nose(theta, lift)
         found.append(
-            MeasuredLift(
-                word, np.ascontiguousarray(theta), np.ascontiguousarray(lift), known.answer("lift_of"), form,
-                "at the nose of the lobe" if zero == "nose" else "as in the file", answers, dust=dust,
-                mended=known.given.mend and bool(dust), changes=tuple(changes)
+            replace(
+                column, cam_angles=np.ascontiguousarray(theta), lifts=np.ascontiguousarray(lift),
+                zero="at the nose of the lobe" if nose else "as in the file", dust=dust, mended=mend and bool(dust),
+                changes=tuple(changes)
             )
         )  # fmt: skip
     return found

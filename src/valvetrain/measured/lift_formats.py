@@ -176,8 +176,9 @@ def recognise_fractions(content: bytes, name: str) -> bool:
 def read_fractions(content: bytes, name: str) -> LiftColumns:
     """The fractions; peak lift, duration and opening angle must be specified by the user."""
     table = read_text_table(text_of(content, name), name)
-    said = {"angle_unit": "1", "lift_unit": "1"}
-    return LiftColumns("fractions", table.rows, ("angle", "lift"), ("", ""), said, table.headings)
+    return LiftColumns(
+        "fractions", table.rows, ("angle", "lift"), ("", ""), headings=table.headings
+    )
 
 
 FRACTIONS_SPEC = LiftFormat("fractions of lift", recognise_fractions, read_fractions)

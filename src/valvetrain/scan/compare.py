@@ -13,6 +13,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.winding import EndCoil
+from valvetrain.quantities.statics import design_quantities
 from valvetrain.runs.requests import Modes
 from valvetrain.runs.static_study import static_study
 from valvetrain.scan.reconstruct import turned_over
@@ -185,16 +186,10 @@ def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSprin
 
 def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNumber]:
     """Quantities at rest that both have, and their lowest axial modes."""
-    from valvetrain.quantities.statics import design_quantities
-
-    values = [design_quantities(case.springs[0]) for case in cases]
-    for quantities, case, study in zip(values, cases, studies, strict=True):
-        curve, at = study.rest[0].curve, case.springs[0].precompression
-        if curve is not None and len(curve.compression) and at <= curve.compression[-1]:
-            path = curve.path or curve
-            rate = float(np.interp(at, path.compression, path.stiffness))
-            quantities |= {"preload": curve.force_at(at), "installed_rate": rate}
-    design, scanned = values
+    design, scanned = (
+        design_quantities(case.springs[0]) | study.still.get("", {})
+        for case, study in zip(cases, studies, strict=True)
+    )
     compared = [ComparedNumber(name, design[name], scanned[name]) for name in AT_REST if name in design and name in scanned]  # fmt: skip
     modes, other = (study.rest[0].modes for study in studies)
     if modes is None or other is None:
