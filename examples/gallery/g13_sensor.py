@@ -16,7 +16,7 @@ run = vt.simulate("gu2021-beehive-blind", "8000 rpm", models=["multi-mass"], wor
     "multi-mass"
 )
 force, time = run.channel("seat_force"), run.time
-recorded = vt.measured.Sensor(bandwidth="1 kHz").response(time, force, periodic=True)
+recorded = vt.measured.Sensor(bandwidth="1 kHz").response(time, force)
 
 turn = (time - time[0]) / (time[-1] - time[0]) * 360
 spikes = slice(*np.searchsorted(turn, [230, 360]))

@@ -65,9 +65,7 @@ class Trace:
     def through(self, sensor: Sensor) -> Trace:
         """What a gauge shows of it, turn after turn."""
         angle = np.append(self.cam_angle, self.cam_angle[0] + _TURN)
-        seen = sensor.response(
-            angle * self.time / _TURN, np.append(self.values, self.values[0]), periodic=True
-        )
+        seen = sensor.response(angle * self.time / _TURN, np.append(self.values, self.values[0]))
         return Trace(self.cam_angle, seen[:-1], self.unit, self.time, self.closed)
 
 

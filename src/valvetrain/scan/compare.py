@@ -187,7 +187,7 @@ def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSprin
 def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNumber]:
     """Quantities at rest that both have, and their lowest axial modes."""
     design, scanned = (
-        design_quantities(case.springs[0]) | study.still.get("", {})
+        design_quantities(case.springs[0]) | dict(study.still.get("", {}))
         for case, study in zip(cases, studies, strict=True)
     )
     compared = [ComparedNumber(name, design[name], scanned[name]) for name in AT_REST if name in design and name in scanned]  # fmt: skip
