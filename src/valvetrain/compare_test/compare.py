@@ -31,7 +31,6 @@ from valvetrain.compare_test.request import CompareTest
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
-from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.signal import WINDOWS, window_bounds
 from valvetrain.quantities.traces import Active, trace_of
@@ -44,7 +43,6 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +138,8 @@ def against_test(request: CompareTest, progress: Progress | None = None) -> Mode
     """As :func:`compare_with_test`, of a request."""
     assert request.test is not None
     case, models, sets = request.case, request.models, request.spring_sets
-    measured, speeds, notes = _read(case, request.test, request.quantity, request.engine_speed)
+    test = read_test(request.test, request.quantity)
+    measured, speeds, notes = at_speeds(case, test, request.engine_speed)
     errors = read_shared(
         request.shared, measured.unit if isinstance(measured, MeasuredCycles) else ""
     )
@@ -159,21 +158,14 @@ def against_test(request: CompareTest, progress: Progress | None = None) -> Mode
     return judge_study(study, judged, active_wire(problem))
 
 
-def compare_study_with_test(
-    study: Study,
-    case: AnyCase,
-    test: AnyTest,
-    *,
-    quantity: str = "",
-    engine_speed: Given | None = None,
-) -> ModelAgainstTest:
+def compare_study_with_test(study: Study, case: AnyCase, test: AnyTest) -> ModelAgainstTest:
     """As :func:`compare_with_test`, with runs that are there already: those of ``study``, which
     were made from ``case``.
 
     Parameters
     ----------
     study : runs of the case, one of them at the speed of the test
-    case, test, quantity, engine_speed : as for :func:`compare_with_test`
+    case, test : as for :func:`compare_with_test`
 
     Raises
     ------
@@ -191,7 +183,7 @@ def compare_study_with_test(
     False
     """
     chosen = case_of(case)
-    request = ComparisonRequest(*_read(chosen, test, quantity, engine_speed))
+    request = ComparisonRequest(*at_speeds(chosen, read_test(test), None))
     near = tuple(
         run
         for run in study.solutions
@@ -210,14 +202,6 @@ def compare_study_with_test(
         )
         problem = build(chosen, spring_models=models, spring_set=sets)
     return judge_study(replace(study, solutions=near), request, active_wire(problem))
-
-
-def _read(
-    case: Case, test: AnyTest, quantity: str, engine_speed: Given | None
-) -> tuple[MeasuredCycles | ValueTable, tuple[float, ...], tuple[str, ...]]:
-    """The test, the crank speeds (rad/s) that are run for it, and what was assumed."""
-    speed = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
-    return at_speeds(case, read_test(test, quantity), speed)
 
 
 def judge_study(

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.film.cycles import TURN, CoilPeak, mean_of
+from valvetrain.film.cycles import TURN, mean_of
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.rules import RULES, FilmFacts, displacement, frequency, nearest, ratio, rpm
@@ -19,7 +19,6 @@ from valvetrain.film.surge import BAND
 from valvetrain.findings.words import digits_text
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.json import json_estimate, json_fields
-from valvetrain.parameters.summary import percent
 from valvetrain.solution.atomic import write_text
 from valvetrain.views.columns import RowColumn, csv_row, json_row, table_of
 from valvetrain.views.files import csv_of
@@ -41,41 +40,14 @@ from valvetrain.views.table import Line, TextTable
 LENGTH = "maximum_lift"
 
 
-class PeakRow(NamedTuple):
-    """Peak of one coil, and that of the model (m) where a run is compared with the film."""
-
-    peak: CoilPeak
-    model_peak: float | None = None
-
-    @property
-    def model_difference(self) -> str:
-        """Model less film as a share of the film's peak; a dash where that is lost in its scatter."""
-        mean, spread = self.peak.mean, self.peak.spread
-        if self.model_peak is None or not mean > 20 * max(spread, 1e-6):
-            return "–"
-        return percent(self.model_peak / mean - 1)
-
-
-def peak_table(motion: CoilMotion, model: FilmedModel | None) -> list[PeakRow]:
-    """Rows of the peaks along the spring."""
-    if model is None:
-        return [PeakRow(peak) for peak in motion.peaks]
-    return [PeakRow(peak, float(model.peaks[peak.coil - 1])) for peak in motion.peaks]
-
-
 PEAK_COLUMNS: list[RowColumn] = [
-    RowColumn("coil", lambda row: str(row.peak.coil), "peak.coil", "coil", "coil"),
-    RowColumn("mean peak", None, "peak.mean", "mean", "mean peak displacement [mm]", 1e3, quantity=LENGTH),
-    RowColumn("95 %, ±", None, lambda row: BAND * row.peak.spread, quantity=LENGTH),
-    RowColumn("", None, "peak.spread", "standard_deviation", "standard deviation of the mean [mm]", 1e3),
-    RowColumn("scatter of a turn", None, "peak.scatter", "scatter", "scatter of a turn [mm]", 1e3, quantity=LENGTH),
-    RowColumn(value="peak.cycles", key="turns", csv="turns")
+    RowColumn("coil", value="coil", key="coil", csv="coil"),
+    RowColumn("mean peak", None, "mean", "mean", "mean peak displacement [mm]", 1e3, quantity=LENGTH),
+    RowColumn("95 %, ±", None, lambda peak: BAND * peak.spread, quantity=LENGTH),
+    RowColumn("", None, "spread", "standard_deviation", "standard deviation of the mean [mm]", 1e3),
+    RowColumn("scatter of a turn", None, "scatter", "scatter", "scatter of a turn [mm]", 1e3, quantity=LENGTH),
+    RowColumn(value="cycles", key="turns", csv="turns")
 ]  # fmt: skip
-#: Shown beyond these where a run is compared with the film; the files have them in ``model``.
-MODEL_COLUMNS: list[RowColumn] = [
-    RowColumn("model", None, "model_peak", quantity=LENGTH),
-    RowColumn("model less film", lambda row: row.model_difference),
-]
 LINE_COLUMNS: list[RowColumn] = [
     RowColumn(
         "frequency", lambda row: f"{digits_text(row.natural_frequency, row.frequency_spread, 7)} Hz",
@@ -159,11 +131,13 @@ class FilmAnswer(ShownByRules):
             yield f"surge line {place}", *(f"{self.words.said(frequency(two), 5)}, damping {ratio(two)}" for two in pair if two)  # fmt: skip
 
     def tables(self) -> Mapping[str, TextTable]:
-        """All peaks and surge lines, by the columns that JSON and CSV have."""
-        peaks = peak_table(self.motion, self.model)
-        columns = PEAK_COLUMNS if self.model is None else [*PEAK_COLUMNS, *MODEL_COLUMNS]
+        """All peaks and surge lines, by the columns that JSON and CSV have; a model next to the peaks."""
+        columns, model = PEAK_COLUMNS, self.model
+        if model is not None:
+            modelled = RowColumn("model", None, lambda peak: float(model.peaks[peak.coil - 1]), quantity=LENGTH)  # fmt: skip
+            columns = [*columns, modelled]
         return {
-            "peaks": table_of("Peaks along the spring", columns, peaks, self.words),
+            "peaks": table_of("Peaks along the spring", columns, self.motion.peaks, self.words),
             "surge": table_of("Surge lines", LINE_COLUMNS, self.facts.lines, self.words)
         }  # fmt: skip
 
@@ -195,7 +169,7 @@ class FilmAnswer(ShownByRules):
         tables["tracks.csv"] = heads, tracks.tolist()
         if motion.peaks:
             head = [column.csv for column in PEAK_COLUMNS if column.csv]
-            rows = [csv_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)]
+            rows = [csv_row(PEAK_COLUMNS, peak) for peak in motion.peaks]
             tables["peaks.csv"] = head, rows
         if model is not None:
             named = (
@@ -253,7 +227,7 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
         "cam_speed": None if motion.phase is None else {
             "value": motion.phase.cam_speed, "standard_deviation": motion.phase.spread, "by": motion.phase.by},
         "dwell": None if motion.dwell is None else list(motion.dwell),
-        "peaks": [json_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)],
+        "peaks": [json_row(PEAK_COLUMNS, peak) for peak in motion.peaks],
         "surge_lines": [json_row(LINE_COLUMNS, row) for row in FilmFacts(motion).lines],
         "notes": list(motion.notes)
     }  # fmt: skip

@@ -64,9 +64,7 @@ class SurgeFit:
     coil: int
 
 
-def fit_surge(
-    moved: Array, decays: Sequence[Ints], frame_rate: float, first_coil: int = 1
-) -> SurgeFit | None:
+def fit_surge(moved: Array, decays: Sequence[Ints], frame_rate: float) -> SurgeFit | None:
     """Damped sines fitted to all coils and dwells together: frequencies and damping in common,
     amplitudes and rest of their own.
 
@@ -96,7 +94,7 @@ def fit_surge(
     if best is None:
         return None
     decay, coil = np.divmod(complete, moved.shape[1])
-    return _described(data, decay, best[1], frame_rate, coil + first_coil)
+    return _described(data, decay, best[1], frame_rate, coil + 1)
 
 
 def _basis(time: Array, lines: Array) -> Array:

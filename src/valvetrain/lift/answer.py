@@ -19,7 +19,18 @@ from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, SmoothedLift, smooth_lift
 from valvetrain.solution.definition import label_of
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.style import ANGLE, BAD, LEAD, OTHER, SECOND, FigureSpec, line, panels, styled
+from valvetrain.views.style import (
+    ANGLE,
+    BAD,
+    LEAD,
+    OTHER,
+    SECOND,
+    FigureSpec,
+    band,
+    line,
+    panels,
+    styled,
+)
 from valvetrain.views.table import Line, TextTable
 
 #: Derivative -> title of its axis and factor from SI.
@@ -151,13 +162,12 @@ def _curves(facts: LiftFacts, *derivatives: int) -> go.Figure | None:
     for lobe, colour in zip(facts.lobes, cycle((LEAD, SECOND)), strict=False):
         name, law = lobe.measured.name, lobe.smoothed
         grid = np.linspace(*law.event, 1001)
-        angle, there_and_back = np.degrees(grid), np.degrees([*grid, *grid[::-1]])
+        angle = np.degrees(grid)
         for row, derivative in enumerate(derivatives, 1):
             mean, half = AXES[derivative][1] * np.array([law.lift(grid, derivative), BAND * law.spread(grid, derivative)])  # fmt: skip
-            edges, first = [*(mean + half), *(mean - half)[::-1]], not derivative
-            band = line(there_and_back, edges, f"{name} 95 %", colour, fill="toself", hoverinfo="skip", opacity=0.3, showlegend=first)  # fmt: skip
-            fig.add_trace(band.update(line={"width": 0}), row, 1)
-            fig.add_trace(line(angle, mean, name, colour, showlegend=first), row, 1)
+            for edge in band(angle, mean - half, mean + half, f"{name} 95 %" * (not derivative), colour):  # fmt: skip
+                fig.add_trace(edge.update(showlegend=bool(edge.name)), row, 1)
+            fig.add_trace(line(angle, mean, name, colour, showlegend=not derivative), row, 1)
         fig.add_trace(_marks(lobe, 1e3 * (lobe.measured.lifts - law.base), lobe.measured.cam_angles), 1, 1)  # fmt: skip
     titles = (AXES[one][0] for one in derivatives)
     return styled(fig, ANGLE, (f"{facts.lobes[0].measured.lift_of} {next(titles)}", *titles), 180 * len(derivatives) + 60)  # fmt: skip

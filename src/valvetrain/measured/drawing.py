@@ -179,11 +179,10 @@ def _area(points: Array) -> float:
 
 
 def _inside(place: Array, points: Array) -> bool:
-    """Whether a closed line of ``points`` goes round a ``place``."""
-    x, y = (points - place).T
-    angles = np.arctan2(y, x)
-    turns = np.sum(np.angle(np.exp(1j * np.diff(angles, append=angles[0]))))
-    return bool(abs(turns) > np.pi)
+    """Whether a ``place`` lies within a closed line of ``points``."""
+    from ezdxf.math import Vec2, is_point_in_polygon_2d
+
+    return bool(is_point_in_polygon_2d(Vec2(place), Vec2.list(points)) > 0)
 
 
 def _polar(points: Array, name: str) -> tuple[Array, Array]:

@@ -73,7 +73,7 @@ class Sensor(Table):
             passed = np.prod([pole / (pole - omega) for pole in poles], axis=0)
             gain *= np.abs(passed) ** 2 if twice else passed
         seen = np.fft.irfft(np.fft.rfft(np.interp(grid[:-1], time, values)) * gain, count)
-        return np.interp(time, grid, np.append(seen, seen[0]))
+        return np.asarray(np.interp(time, grid, np.append(seen, seen[0])))
 
     def _stages(self) -> list[tuple[Complex, bool]]:
         """Poles (rad/s) of each stage of unit static gain, and whether it is passed forward and

@@ -16,11 +16,11 @@ from valvetrain.arrays import Array
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
 from valvetrain.measured.cycles import write_cycles
+from valvetrain.measured.json import json_fields
 from valvetrain.rig.result import Peak, RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.rig.rules import RULES, RigFacts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.columns import RowColumn, json_row, table_of
 from valvetrain.views.files import csv_of
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import (
@@ -41,27 +41,13 @@ from valvetrain.views.tables import findings as findings_table
 
 #: Scatter (cam deg) of the angle of an extreme above which the angle is that of no peak.
 FLAT = 15.0
-
-
-def quantity_of(peak: Peak) -> str:
-    """The quantity in whose unit an extreme is shown."""
-    return peak.quantity
+#: What the JSON answer has of an extreme.
+FIGURES = "figure mean interval scatter cam_angle scatter_of_angle"
 
 
 def angle_of(peak: Peak) -> float:
     """Cam angle (rad) of an extreme; NaN in the dwell, where it can be anywhere."""
     return np.nan if np.degrees(peak.scatter_of_angle) >= FLAT else peak.cam_angle
-
-
-#: The table of extremes.
-COLUMNS = (
-    RowColumn("channel", lambda peak: peak.quantity.replace("_", " ")),
-    RowColumn("of the cycles", value="figure", key="figure"),
-    *(RowColumn(heading, value=key, key=key, quantity=quantity_of) for heading, key in (
-        ("mean", "mean"), ("± (95 %)", "interval"), ("scatter", "scatter"))),
-    RowColumn("at", value=angle_of, quantity="cam_angle"),
-    *(RowColumn(value=key, key=key) for key in ("cam_angle", "scatter_of_angle"))
-)  # fmt: skip
 
 
 def data_of(result: RigResult) -> dict[str, Any]:
@@ -93,15 +79,8 @@ def _channel(channel: RigChannelCycles, peaks: list[Peak]) -> dict[str, Any]:
     return {
         "quantity": channel.cycles.quantity, "unit": channel.cycles.unit, "channel": channel.raw.channel, "band": channel.band,
         "clipped": channel.clipped, "drift": channel.drift, "notes": list(channel.cycles.notes),
-        "figures": [json_row(COLUMNS, peak) for peak in peaks], "spread_of_mean": float(np.median(channel.spread)) if whole else None
+        "figures": [json_fields(peak, FIGURES) for peak in peaks], "spread_of_mean": float(np.median(channel.spread)) if whole else None
     }  # fmt: skip
-
-
-def rows_of(result: RigResult) -> list[Peak]:
-    """Largest value of the mean, and extremes of the cycles, of every channel."""
-    return [
-        peak for channel in result.channels for peak in (mean_peak(channel), *peaks_of(channel))
-    ]
 
 
 def deviation(channel: RigChannelCycles) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -185,9 +164,8 @@ class RigAnswer(ShownByRules):
         return Line(label_of(name), (high, scatter, at, low), mark, remark)
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Extremes of every channel."""
-        peaks = table_of("Extremes of the channels", COLUMNS, rows_of(self.result), self.words)
-        return {"findings": findings_table(self), "extremes": peaks}
+        """The findings."""
+        return {"findings": findings_table(self)}
 
     def write(self, folder: Path) -> list[Path]:
         """``<quantity>.csv`` with the cycles of each channel, ``means.csv`` with means, scatter and bands."""
