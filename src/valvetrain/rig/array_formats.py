@@ -94,9 +94,6 @@ def channels_of(
 
 # MAT files of version 5 to 7
 
-_NUMBERS = (
-    "double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"
-)  # fmt: skip
 #: Characters of a text that may be a unit or a description, at most.
 _MAX_TEXT = 500
 
@@ -112,29 +109,19 @@ def read_mat5(path: Path, file_name: str) -> Recording:
     """
     from scipy import io
 
-    def load(name: str) -> Any:
-        options = {"struct_as_record": True, "verify_compressed_data_integrity": True}
-        return io.loadmat(str(path), variable_names=[name], **options)[name]
-
-    budget, size = Budget(file_name), path.stat().st_size
+    budget, notes = Budget(file_name), []
     arrays: dict[str, Any] = {}
     texts: dict[str, str] = {}
-    notes = []
-    for name, shape, kind in io.whosmat(str(path)):
-        count = int(np.prod([int(side) for side in shape], dtype=object)) if shape else 0
-        if count * 1.0 > size * _MAX_EXPANSION:
-            raise InputError(
-                f"'{file_name[:80]}' is damaged: '{one_line(name)}' claims more numbers than its bytes can hold"
-            )
-        if kind == "char" and count <= _MAX_TEXT:
-            texts[name] = " ".join(map(str, np.ravel(load(name))))
-        elif kind in _NUMBERS and 0 < count:
-            budget.take(count)
-            arrays[name] = np.asarray(load(name))
-        elif kind not in ("char", *_NUMBERS):
-            notes.append(
-                f"'{one_line(name)}' is left out: it is no array of numbers ({one_line(kind)})"
-            )
+    # the process in which the file was tried is bounded in memory, whatever the file claims
+    for name, values in io.loadmat(str(path), verify_compressed_data_integrity=True).items():
+        kind = getattr(values, "dtype", np.dtype("O")).kind
+        if kind == "U" and values.size:
+            texts[name] = str(values.ravel()[0])[:_MAX_TEXT]
+        elif kind in "fiu" and values.size:
+            budget.take(values.size)
+            arrays[name] = values
+        elif kind not in "Ufiu" and not name.startswith("__"):
+            notes.append(f"'{one_line(name)}' is left out: it is no array of numbers")
     units = {
         name.removesuffix("_unit"): text for name, text in texts.items() if name.endswith("_unit")
     }
