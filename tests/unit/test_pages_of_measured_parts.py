@@ -17,8 +17,8 @@ DEG = np.pi / 180
         (120 * DEG, 0.05 * DEG, "deg", "120.000 ± 0.098 cam deg"),
         (1.5e-3 * DEG, 1e-5 * DEG, "mm deg", "1.500 ± 0.020 mm deg"),
         (0.02e-3 / DEG, 1e-6 / DEG, "mm/deg", "0.0200 ± 0.0020 mm/deg"),
-        (-3e-6 / DEG**2, 1e-7 / DEG**2, "um/deg2", "−3.00 ± 0.20 µm/deg²"),
-        (4e-7 / DEG**3, 1e-7 / DEG**3, "mm/deg3", "0.00040 ± 0.00020 mm/deg³"),
+        (-3e-6 / DEG**2, 1e-7 / DEG**2, "um/deg^2", "−3.00 ± 0.20 µm/deg²"),
+        (4e-7 / DEG**3, 1e-7 / DEG**3, "mm/deg^3", "0.00040 ± 0.00020 mm/deg³"),
         (9e-3, 0.0, "mm", "9.0000 mm"),
         (9e-3, 20e-3, "mm", "9 ± 39 mm"),
     ],
@@ -38,5 +38,5 @@ def test_figures_of_a_lobe_in_inches():
 
 def test_the_interval_of_a_size_does_not_reach_below_zero():
     """The largest jerk stood as 0.0044 ± 0.0058."""
-    jerk = LiftFigure("largest_jerk", "jerk", 4.4e-6 / DEG**3, 2.96e-6 / DEG**3, "mm/deg3")
+    jerk = LiftFigure("largest_jerk", "jerk", 4.4e-6 / DEG**3, 2.96e-6 / DEG**3, "mm/deg^3")
     assert figure_text(jerk) == "0 to 0.0102 mm/deg³"

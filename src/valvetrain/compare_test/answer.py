@@ -167,21 +167,14 @@ class AgainstTestAnswer(ShownByRules):
     def tables(self) -> Mapping[str, TextTable]:
         """Every number of the comparison, a table a topic and model."""
         name, runs = self.result.quantity, self.result.runs
-        kinds = (
-            ("stages", "Stretches of the turn", tables.stage_columns(name)),
-            ("values", "Values", tables.VALUES),
-        )
-        near, tested = [one for one in runs if one.agreement], [one for one in runs if one.adequacy]
+        near = [one for one in runs if one.agreement]
         made = {
             "findings": findings_table(self),
             "nearness": table_of("How near", tables.agreement_columns(name), near, self.words),
-            "f-test": table_of("Fisher's test", tables.ADEQUACY, tested, self.words),
         }
         for place, one in enumerate(runs):
-            for key, title, columns in kinds:
-                made[f"{key}-{place}"] = table_of(
-                    f"{title}, {one.label}", columns, getattr(one, key), self.words
-                )
+            values = table_of(f"Values, {one.label}", tables.VALUES, one.values, self.words)
+            made[f"values-{place}"] = values
         return made
 
     def write(self, folder: Path) -> list[Path]:

@@ -150,7 +150,7 @@ _COUNTED = re.compile(r"(.+)_\d+_cam_angle")
 
 @dataclass(frozen=True, slots=True)
 class StageRow:
-    """Errors within a stretch of the turn, SI: ``bias``, ``rms`` of model less test, ``bias_error``
+    """Errors within a stretch of the turn, SI: ``bias``, ``rms`` of model less test, ``bias_standard_error``
     its standard error over the repeats (NaN for one), and the ``share_outside`` of its angles at
     which the band leaves no difference out.
     """
@@ -160,7 +160,7 @@ class StageRow:
     last: float
     bias: float
     rms: float
-    bias_error: float
+    bias_standard_error: float
     share_outside: float
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -171,14 +170,10 @@ def failed(facts: AgainstTest) -> Hits:
         yield Hit(fields={"said": first, "more": f"{len(others)} more" if others else ""})
 
 
-def when(holds: Callable[[AgainstTest], bool], doc: str) -> Condition:
-    """A condition without fields."""
-
-    def hits(facts: AgainstTest) -> Hits:
-        return iter([Hit()] if holds(facts) else [])
-
-    hits.__doc__ = doc
-    return hits
+def synthetic(facts: AgainstTest) -> Hits:
+    """The test was computed, not measured."""
+    if facts.result.test.synthetic:
+        yield Hit()
 
 
 def left_out(facts: AgainstTest) -> Hits:
@@ -222,10 +217,12 @@ def alike(facts: AgainstTest) -> Hits:
         )
 
 
-def no_common_error(facts: AgainstTest) -> bool:
-    """Whether no error is stated that all cycles, or all values of a table, share."""
-    tests = [run.adequacy for run in facts.result.runs[:1] if run.adequacy is not None]
-    return any(not test.shared and (facts.cycles is not None or not test.repeats) for test in tests)
+def no_common_error(facts: AgainstTest) -> Hits:
+    """No error is stated that all cycles, or all values of a table, share."""
+    for run in facts.result.runs[:1]:
+        test = run.adequacy
+        if test and not test.shared and (facts.cycles is not None or not test.repeats):
+            yield Hit()
 
 
 GUIDE = "model-against-test.md"
@@ -243,14 +240,12 @@ RULES = (
          judged(None, "The test shows no scatter, or none that can be used."), (), "{why}", "{advice}", mark="warn", guide=GUIDE),
     Rule("T210", "warns", "not every run ended: {said}[; {more}]", failed),
     Rule("T211", "warns", "the test is synthetic: it was computed, not measured",
-         when(lambda facts: facts.result.test.synthetic, "The test was computed.")),
+         synthetic),
     Rule("T212", "warns", "left out, for model and test do not both have it: {names}[ and {more}]", left_out),
     Rule("T213", "warns", "the test ran at {test}, the model at {model}: the speed is part of the difference", other_speed),
     Rule("T214", "warns", "{count} repeats hardly show the scatter, so the test refutes too readily; give four or more", few),
     Rule("T215", "warns", "successive cycles are alike: {count} count as {fewer}, so the test refutes too readily", alike,
          step="give cycles further apart"),
-    Rule("T290", "notes", "curves are compared at the cam angles of the file; no shift is taken away",
-         when(lambda facts: facts.cycles is not None, "Cycles are compared."), remark="cam angles as in the file"),
-    Rule("T291", "notes", "no error is stated that all share, of zero, calibration or angle", when(no_common_error, no_common_error.__doc__ or ""),
+    Rule("T291", "notes", "no error is stated that all share, of zero, calibration or angle", no_common_error,
          step="--shared '2 N, 0.5 %, 0.1 deg' states it", remark="no error of calibration", guide=GUIDE)
 )  # fmt: skip

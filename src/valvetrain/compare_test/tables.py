@@ -8,79 +8,40 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.compare_test.adequacy import chance_text
+from valvetrain.compare_test.adequacy import AdequacyTest
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.measured.cycles import MeasuredCycles
+from valvetrain.measured.json import json_fields
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
 from valvetrain.views.columns import RowColumn, csv_row, json_row
 from valvetrain.views.files import csv_of
 
 Columns = tuple[RowColumn, ...]
-MODEL = RowColumn("model", value="label")
 
 
-def agreement_columns(name: str = "", cam_speed: float = math.nan) -> Columns:
+def agreement_columns(name: str) -> Columns:
     """Nearness of a run to measured cycles of the quantity ``name``; rows: runs with an agreement."""
     amounts = (
-        ("bias", "bias"),
-        ("rms", "rms"),
-        ("rest", "without bias and shift"),
-        ("scatter", "scatter of a cycle"),
-    )
+        ("bias", "bias", name), ("rms", "rms", name), ("without bias and shift", "rest", name), ("scatter of a cycle", "scatter", name),
+        ("comes later by", "shift", "cam_angle"), ("± (95 %)", "shift_reach", "cam_angle")
+    )  # fmt: skip
+    correlation = RowColumn("correlation", lambda run: f"{run.agreement.correlation:.5f}")
     return (
-        MODEL,
-        *(
-            RowColumn(heading, value=f"agreement.{key}", key=key, quantity=name)
-            for key, heading in amounts
-        ),
-        RowColumn(
-            "correlation",
-            lambda run: f"{run.agreement.correlation:.5f}",
-            "agreement.correlation",
-            "correlation",
-        ),
-        RowColumn("comes later by", value="agreement.shift", key="shift", quantity="cam_angle"),
-        RowColumn(
-            "± (95 %)", value="agreement.shift_reach", key="shift_reach", quantity="cam_angle"
-        ),
-        RowColumn(value=lambda run: run.agreement.shift / cam_speed, key="shift_time"),
+        RowColumn("model", value="label"),
+        *(RowColumn(head, None, f"agreement.{key}", quantity=one) for head, key, one in amounts),
+        correlation,
     )
 
 
-#: Fisher's test; rows: runs with an adequacy test. Variances are SI.
-ADEQUACY: Columns = (
-    MODEL,
-    RowColumn("F", value="adequacy.ratio", key="ratio"),
-    RowColumn("critical F", value="adequacy.critical", key="critical"),
-    RowColumn("p", lambda run: chance_text(run.adequacy.p_value), "adequacy.p_value", "p_value"),
-    RowColumn(value=lambda run: list(run.adequacy.degrees), key="degrees_of_freedom"),
-    RowColumn(value=lambda run: list(run.adequacy.shared), key="shared_mean_squares"),
-    *(
-        RowColumn(heading, value=f"adequacy.{name}", key=key or name)
-        for name, heading, key in (
-            ("adequacy", "variance of adequacy, SI", "adequacy_variance"), ("reproducibility", "of reproducibility", "reproducibility_variance"),
-            ("adequate", "agrees", ""), ("places", "places", ""), ("independent", "independent", "independent_places"), ("repeats", "repeats", ""),
-            ("fitted", "fitted", ""),
-            ("refutable", "", "refutable_rms")
-        )
-    )
-)  # fmt: skip
-
-
-def stage_columns(name: str = "") -> Columns:
-    """Errors by stage of the revolution of the quantity ``name``."""
-    return (
-        RowColumn("stretch", value="name", key="name"),
-        *(RowColumn(one, value=one, key=one, quantity="cam_angle") for one in ("first", "last")),
-        RowColumn("bias", value="bias", key="bias", quantity=name),
-        RowColumn(
-            "± (standard error)", value="bias_error", key="bias_standard_error", quantity=name
-        ),
-        RowColumn("rms", value="rms", key="rms", quantity=name),
-        RowColumn("share outside the band", value="share_outside", key="share_outside"),
-    )
+def f_test_json(test: AdequacyTest) -> dict[str, Any]:
+    """Fisher's test as plain values; variances are SI."""
+    return {
+        "ratio": test.ratio, "critical": test.critical, "p_value": test.p_value, "degrees_of_freedom": list(test.degrees),
+        "shared_mean_squares": list(test.shared), "adequacy_variance": test.adequacy, "reproducibility_variance": test.reproducibility,
+        "independent_places": test.independent, "refutable_rms": test.refutable, **json_fields(test, "adequate places repeats fitted")
+    }  # fmt: skip
 
 
 def value_name(row: ValueRow) -> str:
@@ -127,19 +88,19 @@ def _run(run: RunAgainstTest, cam_speed: float) -> dict[str, Any]:
         "label": run.label,
         "model": run.model,
         "without": run.without,
-        "f_test": None if run.adequacy is None else json_row(ADEQUACY, run),
+        "f_test": None if run.adequacy is None else f_test_json(run.adequacy),
     }
     if run.agreement is not None:
-        data["agreement"] = json_row(agreement_columns("", cam_speed), run)
+        near = json_fields(run.agreement, "bias rms rest scatter correlation shift shift_reach")
+        data["agreement"] = near | {"shift_time": run.agreement.shift / cam_speed}
     if run.band is not None:
         share = float(run.band.outside.mean())
         data["band"] = {"factor": run.band.factor, "share_outside": share}
-    for key, columns in (
-        ("stages", stage_columns()),
-        ("values", VALUES),
-    ):
-        if rows := getattr(run, key):
-            data[key] = [json_row(columns, row) for row in rows]
+    if run.stages:
+        fields = "name first last bias bias_standard_error rms share_outside"
+        data["stages"] = [json_fields(stage, fields) for stage in run.stages]
+    if run.values:
+        data["values"] = [json_row(VALUES, row) for row in run.values]
     return data
 
 

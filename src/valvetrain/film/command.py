@@ -61,12 +61,12 @@ def _lift(table: Path | None, case: Case | None) -> Lift | None:
     """Lift over the cam angle, from a table or the case."""
     import numpy as np
 
-    from valvetrain.film.model import lift_of_case
     from valvetrain.measured.lift_file import chosen_lobe, read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
+    from valvetrain.system.build import valve_lift_of
 
     if table is None:
-        return None if case is None else lift_of_case(case)
+        return None if case is None else valve_lift_of(case)
     lobe = chosen_lobe(read_lift(table), "", table.name)
     law = smooth_lift(lobe.cam_angles, lobe.lifts)
     # A table may begin at any angle, below zero too.

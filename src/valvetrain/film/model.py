@@ -11,9 +11,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from valvetrain.arrays import Array
-from valvetrain.cam.contract import build_lift_law
 from valvetrain.errors import InputError
-from valvetrain.film.cycles import TURN, Lift, is_closed, mean_of, segments
+from valvetrain.film.cycles import TURN, is_closed, mean_of, segments
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import SurgeFit, alias_of, fit_surge
 from valvetrain.parameters.case import Case
@@ -70,20 +69,6 @@ class FilmedModel(Shown):
     def __repr__(self) -> str:
         peak = 1e3 * float(np.max(self.peaks, initial=0.0))
         return f"FilmedModel of {self.case} by {self.model}: {len(self.turns)} coils, largest peak {peak:.3f} mm"
-
-
-def lift_of_case(case: AnyCase) -> Lift:
-    """The lift (m) of a case over the cam angle (rad). Raises :class:`InputError` for a case
-    without one.
-    """
-    chosen = case_of(case)
-    if chosen.lift_law is None:
-        raise InputError(
-            f"case '{chosen.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker",
-            "case",
-        )
-    law = build_lift_law(chosen.lift_law)
-    return lambda cam_angle: np.asarray(law.lift(cam_angle), dtype=float)
 
 
 def film_over_model(

@@ -372,19 +372,20 @@ def _carried(request: LiftRequest, law: LiftLawParameters) -> LiftBandStudy:
 
 def _data(facts: LiftFacts) -> dict[str, Any]:
     """The JSON answer, SI."""
+    from valvetrain.measured.json import json_estimate, json_fields
+
     carried = facts.carried
 
     def figures(found: tuple[LiftFigure, ...]) -> dict[str, Any]:
-        return {one.name: {"value": one.value, "standard_deviation": one.spread} for one in found}
+        return {one.name: json_estimate((one.value, one.spread)) for one in found}
 
     data: dict[str, Any] = {
         "command": "lift", "case": "", "completed": not facts.failures
     }  # fmt: skip
     data["lobes"] = [
         {
-            "name": one.measured.name, "form": one.measured.form, "lift_of": one.measured.lift_of, "zero": one.measured.zero,
+            **json_fields(one.measured, "name form lift_of zero notes changes mended"),
             "answers": {answer.question: {"answer": answer.answer, "by": answer.by} for answer in one.measured.answers},
-            "notes": list(one.measured.notes), "changes": list(one.measured.changes), "mended": one.measured.mended,
             "dust": [asdict(bump) for bump in one.measured.dust], "noise": one.smoothed.noise, "figures": figures(one.figures)
         }
         for one in facts.lobes

@@ -65,6 +65,11 @@ class LobeResult:
     contour: Contour | None = None
 
     @property
+    def values(self) -> dict[str, float]:
+        """Value (SI) of each figure by its name."""
+        return {one.name: one.value for one in self.figures}
+
+    @property
     def off(self) -> Ints:
         """Places of the stations, of those of the law, that are more than :data:`OFF` standard deviations off it."""
         away = max(OFF * self.smoothed.noise, RESOLVED)
@@ -141,9 +146,9 @@ def lift_figures(
     rows = (
         ("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg", 0.0),
         ("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg", 0.0),
-        ("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg2", jumps[0]),
-        ("nose_acceleration", "acceleration, nose", curves[2].min(axis=1), "um/deg2", jumps[1]),
-        ("largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3", 0.0)
+        ("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg^2", jumps[0]),
+        ("nose_acceleration", "acceleration, nose", curves[2].min(axis=1), "um/deg^2", jumps[1]),
+        ("largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg^3", 0.0)
     )  # fmt: skip
     found += [figure_of(*row) for row in rows]
     return tuple(found)
@@ -249,19 +254,11 @@ def figure_of(name: str, label: str, values: Array, unit: str, beyond: float = 0
     return LiftFigure(name, label, float(values[0]), spread, unit)
 
 
-#: Unit of a figure -> unit of its text, where that is otherwise; and as readers of inches have it, with its size.
-UNIT_TEXTS = {"deg": "cam deg", "degree": "deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
-INCH_TEXTS = {
-    "mm": ("in", 25.4), "mm deg": ("in deg", 25.4), "mm/deg": ("thou/deg", 0.0254), "um/deg2": ("thou/deg²", 25.4),
-    "mm/deg3": ("thou/deg³", 0.0254)
+#: Unit of a figure -> that of readers of inches; and how parts of a unit are written.
+INCHES = {
+    "mm": "inch", "mm deg": "inch deg", "mm/deg": "thou/deg", "um/deg^2": "thou/deg^2", "mm/deg^3": "thou/deg^3"
 }  # fmt: skip
-
-
-def figure_factor(unit: str) -> float:
-    """SI value of one unit of a figure, units of the trade among them."""
-    degree = np.pi / 180
-    own = {"mm deg": 1e-3 * degree, "um/deg2": 1e-6 / degree**2, "mm/deg3": 1e-3 / degree**3}
-    return own.get(unit) or unit_factor(unit)
+WRITTEN = {"um": "µm", "inch": "in", "degree": "deg", "^2": "²", "^3": "³"}
 
 
 def figure_text(figure: LiftFigure, units: str = "si") -> str:
@@ -270,12 +267,12 @@ def figure_text(figure: LiftFigure, units: str = "si") -> str:
     >>> figure_text(LiftFigure("peak_lift", "peak lift", 9.1e-3, 2e-6, "mm"))
     '9.1000 ± 0.0039 mm'
     """
-    unit, size = UNIT_TEXTS.get(figure.unit, figure.unit), figure_factor(figure.unit)
-    if units == "imperial" and figure.unit in INCH_TEXTS:
-        unit, inches = INCH_TEXTS[figure.unit]
-        size *= inches
-    if figure.name.startswith(OF_CRANK):
-        unit = "crank deg"
+    unit = INCHES.get(figure.unit, figure.unit) if units == "imperial" else figure.unit
+    size = unit_factor(unit)
+    if unit == "deg":
+        unit = "crank deg" if figure.name.startswith(OF_CRANK) else "cam deg"
+    for part, written in WRITTEN.items():
+        unit = unit.replace(part, written)
     value, spread = figure.value / size, BAND * figure.spread / size
     if (event := figure.name[:3].upper()) in EVENTS:
         value, side = abs(value), side_of(event, value)

@@ -142,7 +142,7 @@ def dusty(facts: LiftFacts, mended: bool) -> Hits:
 def steep(facts: LiftFacts) -> Hits:
     """The acceleration is many times what a lobe of that lift and width has."""
     for lobe in facts.lobes:
-        law, figures = lobe.smoothed, {one.name: one.value for one in lobe.figures}
+        law, figures = lobe.smoothed, lobe.values
         grid = np.linspace(*law.event, 1001)
         high = grid[law.lift(grid) > 0.01 * figures["peak_lift"]]
         usual = figures["peak_lift"] / (float(np.ptp(high)) / 2) ** 2
@@ -156,7 +156,7 @@ def steep(facts: LiftFacts) -> Hits:
 def unusual(facts: LiftFacts) -> Hits:
     """The peak of a lift is none of an engine's, as where its unit is another."""
     for lobe in facts.lobes:
-        peak = next(one.value for one in lobe.figures if one.name == "peak_lift")
+        peak = lobe.values["peak_lift"]
         if not USUAL[0] <= peak <= USUAL[1]:
             yield Hit(Amount("peak_lift", peak), fields={"lobe": lobe.measured.name})
 
@@ -188,7 +188,7 @@ def undercut(facts: LiftFacts) -> Hits:
     """The follower undercuts the cam, or a flat face would need a hollow."""
     for lobe in facts.lobes:
         if lobe.contour is not None and lobe.contour.undercut:
-            figures = {one.name: one.value for one in lobe.figures}
+            figures = lobe.values
             place = int(np.argmin(lobe.contour.curvature_radii))
             angle = Amount(
                 "station_cam_angle", float(lobe.contour.polar_angles[place] % (2 * np.pi))

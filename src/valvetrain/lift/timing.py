@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -86,7 +85,6 @@ def read_off(lobes: Sequence[LobeResult], dead_centre: float) -> tuple[LiftFigur
 
 def dead_centre_of(lobe: LobeResult, lobe_centre: float) -> float:
     """Cam angle (rad) of top dead centre, of a lobe whose middle at 0.050 in is ``lobe_centre`` (crank rad) after it."""
-    centre = next((one.value for one in lobe.figures if one.name == "lobe_centre"), math.nan)
-    if math.isnan(centre):
+    if (centre := lobe.values.get("lobe_centre")) is None:
         raise InputError("a lobe below 0.050 in has no lobe centre; give --top-dead-centre", "--lobe-centre")  # fmt: skip
     return centre - lobe_centre / 2

@@ -11,7 +11,7 @@ import numpy as np
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.parameters.loading import AnyCase
 from valvetrain.rig.alignment import Lift, align_lift
 from valvetrain.rig.channels import (
     DWELL,
@@ -34,7 +34,7 @@ from valvetrain.rig.reader import Recording, read_recording
 from valvetrain.rig.request import RigAnswers
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_spread
 from valvetrain.rig.shaft import REVOLUTION, ShaftAngle, shaft_of
-from valvetrain.system.build import build
+from valvetrain.system.build import valve_lift_of
 from valvetrain.units import parse_quantity
 
 #: Angles at which the dwell is looked for.
@@ -85,24 +85,6 @@ def rig_cycles(
     recording = read_recording(path)
     lift = None if case is None or answers.offset is not None else valve_lift_of(case)
     return cycles_in(recording, path.name, answers, lift)
-
-
-def valve_lift_of(case: AnyCase) -> Lift:
-    """The lift (m over cam rad) that a probe at the valve of a case shows where all parts are rigid
-    and follow the cam.
-
-    Raises :class:`InputError` for a case without a lift.
-    """
-    loaded = case_of(case)
-    problem = build(loaded)
-    if not problem.moves:
-        raise InputError(
-            f"case '{loaded.name}' has no lift law to align to; add one, or state the offset of the mark",
-            "case",
-        )
-    gear = problem.members[0].gear
-    lift = problem.valve_lift.lift if gear is None else gear.mechanism.kinematics.valve_lift
-    return lambda angle: np.asarray(lift(angle), dtype=float)
 
 
 def cycles_in(

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftLaw, build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.errors import InputError, UnusualValueWarning
@@ -108,6 +109,22 @@ def lift_law_of(case: Case) -> LiftLaw:
         line = find_line(case.text, path) if _is_text_of(case.text, case) else None
         place = f"case '{case.name}'" + (f", line {line}" if line else "")
         raise InputError(error.reason, f"{place}, {'.'.join(path)}") from error
+
+
+def valve_lift_of(case: AnyCase) -> Callable[[Array], Array]:
+    """The lift (m over cam rad) of the valve of a case where all parts are rigid and follow the cam.
+
+    Raises :class:`InputError` for a case without a lift.
+    """
+    problem = build(case)
+    if not problem.moves:
+        raise InputError(
+            f"case '{problem.record.name}' has no lift law, so nothing can be laid on its lift; add a [lift_law] table",
+            "case",
+        )
+    gear = problem.members[0].gear
+    lift = problem.valve_lift.lift if gear is None else gear.mechanism.kinematics.valve_lift
+    return lambda angle: np.asarray(lift(angle), dtype=float)
 
 
 def _is_text_of(text: str, case: Case) -> bool:
