@@ -11,6 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
+from valvetrain.measured.stations import runs_of
 
 TURN = 2 * np.pi
 #: Points between frames at which a peak is looked for, and the longest gap (frames) across which a
@@ -121,8 +122,8 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
     rest = float(np.median(np.sort(smooth)[: count // 3]))
     low = smooth - rest < CLOSED * (smooth.max() - rest)
     # The longest run of low stations, counted on into a second turn.
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], low, low, [0]]).astype(int)))
-    starts, lengths = edges[::2], np.diff(edges)[::2]
+    starts, ends = runs_of(np.tile(low, 2)).T
+    lengths = ends - starts
     lengths = np.where(lengths < count, lengths, 0)
     best = int(np.argmax(lengths)) if len(lengths) else 0
     length = step * lengths[best] if len(lengths) else 0.0
@@ -267,9 +268,8 @@ def _pulses(time: Array, brightness: Array) -> Array:
     signal = signal if up >= -down else -signal
     if not top > max(9 * float(np.median(np.abs(signal))), 2.0):
         return np.zeros(0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], signal > 0.5 * top, [0]]).astype(int)))
     centres = []
-    for first, last in edges.reshape(-1, 2):
+    for first, last in runs_of(signal > 0.5 * top):
         if first > 0 and last < len(signal):  # a flash that the film cuts has no centre
             part = slice(max(first - 2, 0), last + 2)
             centres.append(np.average(time[part], weights=np.clip(signal[part], 0.0, None)))

@@ -12,6 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Answers,
     option,
+    read_amounts,
     read_case,
     read_choice,
     read_count,
@@ -21,7 +22,7 @@ from valvetrain.runs.request_fields import (
     read_text,
     read_within,
 )
-from valvetrain.units import parse_quantities, si
+from valvetrain.units import si
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -82,15 +83,12 @@ def read_scale(given: Any, where: str) -> tuple[Point, Point, float]:
 
 def read_window(given: Any, where: str) -> tuple[float, float]:
     """Two cam angles (rad) in order, within a turn."""
-    try:
-        if isinstance(given, str):
-            begin, end = parse_quantities(given.replace(":", ","), "angle", where)
-            end += math.tau * (end < begin)
-        else:
-            begin, end = (float(value) for value in given)
-    except (TypeError, ValueError):
-        begin = end = 0.0
-    if not 0 < end - begin < 6.283 or not abs(end) < 1e6:
+    ends = read_amounts(
+        "angle", given.replace(":", ",") if isinstance(given, str) else given, where
+    )
+    begin, end = (*ends, 0.0, 0.0)[:2]
+    end += math.tau * (end < begin)
+    if len(ends) != 2 or not 0 < end - begin < 6.283 or not abs(end) < 1e6:
         raise InputError(
             f"'{str(given)[:40]}' is no window; give two angles less than a turn apart, such as '170:350 deg'",
             where,

@@ -10,6 +10,7 @@ from valvetrain.arrays import Array, Flags, Ints
 from valvetrain.errors import InputError
 from valvetrain.film.profile import FINE, Profiles, find_coils, fit, grounds_of, light_of, ordered
 from valvetrain.film.space_time import SpaceTime
+from valvetrain.measured.stations import runs_of
 
 #: Standard deviation of a prediction in parts of the coils' spacing.
 PREDICTED = 0.12
@@ -65,8 +66,7 @@ def bridge(
             misfit += float(result.noise[better] ** 2)
         return filled, misfit
 
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], ~clear, [False]]).astype(int)))
-    for first, end in edges.reshape(-1, 2):
+    for first, end in runs_of(~clear):
         ways = [through(range(first, end))] if first > 0 else []
         ways += [through(range(end - 1, first - 1, -1))] if end < len(clear) else []
         places = min(ways, key=lambda way: way[1])[0]

@@ -36,14 +36,8 @@ if TYPE_CHECKING:
     from valvetrain.parameters.lift_law import LiftLawParameters
 
 LENGTH, ANGLE = partial(read_within, "length", -1e3, 1e3), partial(read_within, "angle", -1e6, 1e6)
-#: Fields that say what the tables hold, and those of them that :class:`LiftAnswers` takes.
-READS = (
-    "exhaust", "angle_of", "lift_of", "lift_unit", "angle_unit", "columns", "zero", "direction", "lobe", "follower", "base_radius",
-    "mend", "peak_lift", "duration", "opening", "noise", "band",
-)  # fmt: skip
-ANSWERS = tuple(
-    name for name in READS if name not in ("exhaust", "lobe", "base_radius", "noise", "band")
-)
+#: Fields that say what the tables hold, besides those of :class:`LiftAnswers`.
+READS = ("exhaust", "lobe", "base_radius", "noise", "band")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,7 +205,9 @@ class LiftRequest(Parallel, Limited):
         """What the tables leave open."""
         from valvetrain.measured.lift_file import LiftAnswers
 
-        return LiftAnswers(**{name: getattr(self, name) for name in ANSWERS})
+        return LiftAnswers(
+            **{name: getattr(self, name) for name in LiftAnswers.__dataclass_fields__}
+        )
 
     @property
     def stated(self) -> tuple[float | None, float | None]:
@@ -222,7 +218,7 @@ class LiftRequest(Parallel, Limited):
     def again(self) -> str:
         """Words behind ``valvetrain lift`` that read the tables again."""
         words, asked = [str(self.file or "")], options_of(type(self))
-        for name in READS:
+        for name in (*self.answers.__dataclass_fields__, *READS):
             if value := getattr(self, name):
                 words += [asked[name].flag, *([] if value is True else [self.typed[name]])]
         return shlex.join(words)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from valvetrain.arrays import Array
+from valvetrain.arrays import Array, Flags, Ints
 
 TURN = 2 * np.pi
 #: Share of the largest lift above which an event stands out, and angle (rad) above which it is no dust.
@@ -45,6 +45,16 @@ def last_digit(lifts: Array) -> float:
     return 0.0
 
 
+def runs_of(flags: Flags) -> Ints:
+    """First place of each run of true ``flags``, and the place behind its last, shape (runs, 2).
+
+    >>> runs_of(np.array([True, False, True, True])).tolist()
+    [[0, 1], [2, 4]]
+    """
+    edges: Ints = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return edges.reshape(-1, 2)
+
+
 def base_of(lifts: Array) -> float:
     """Level (m) of the base circle: the median of what is within 4 % of the least lift."""
     return float(np.median(lifts[lifts <= lifts.min() + EVENT_SHARE * np.ptp(lifts)]))
@@ -78,11 +88,9 @@ def turned(cam_angles: Array, lifts: Array) -> tuple[Array, Array]:
 
 def events_of(cam_angles: Array, lifts: Array) -> list[slice]:
     """The stations of each event: of all rises above the base circle that are too wide for dust."""
-    high = np.append(lifts > base_of(lifts) + EVENT_SHARE * np.ptp(lifts), False)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], high])))
     runs = [
         (int(begin), int(end))
-        for begin, end in edges.reshape(-1, 2)
+        for begin, end in runs_of(lifts > base_of(lifts) + EVENT_SHARE * np.ptp(lifts))
         if cam_angles[end - 1] - cam_angles[begin] > EVENT_ANGLE
     ]
     cuts = [(before[1] + after[0]) // 2 for before, after in pairwise(runs)]
@@ -132,7 +140,6 @@ def dust_of(cam_angles: Array, lifts: Array) -> tuple[Dust, ...]:
         # at the edges the next window knows more
         inner = slice(edge * (begin > 0), count - edge * (begin + count < len(lifts)))
         height[window][inner] = np.maximum(height[window][inner], out[inner])
-    marked = np.flatnonzero(np.diff(np.concatenate([[0], height > 0, [0]]))).reshape(-1, 2)
     return tuple(
         Dust(
             float(cam_angles[first]),
@@ -140,7 +147,7 @@ def dust_of(cam_angles: Array, lifts: Array) -> tuple[Dust, ...]:
             float(height[first:last].max()),
             int(last - first),
         )
-        for first, last in marked
+        for first, last in runs_of(height > 0)
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
+from valvetrain.measured.stations import runs_of
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.shaft import REVOLUTION, ShaftAngle
 
@@ -275,8 +276,7 @@ def is_clipped(values: Array) -> bool:
 def _stays_at_top(values: Array) -> bool:
     if len(values) < CLIPPED or not np.ptp(values) > 0:
         return False
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], values == values.max(), [0]])))
-    begins, ends = edges[::2], edges[1::2]
+    begins, ends = runs_of(values == values.max()).T
     long = (ends - begins >= CLIPPED) & (begins > 0)
     if not long.any():
         return False
