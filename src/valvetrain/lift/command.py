@@ -146,13 +146,6 @@ class LiftRequest(Parallel, Limited):
         default=(),
         repeatable=True,
     )
-    lash: float = option(
-        LENGTH,
-        "Lift at which the ramp velocities are evaluated.",
-        "--lash",
-        "LENGTH",
-        default="0.006 inch",
-    )
     case: Case | None = option(
         read_case,
         "Case whose lift it becomes: its forces and speeds with the band.",
@@ -261,7 +254,7 @@ def lift(request: LiftRequest, line: SavedLine, folder: Path) -> None:
         [lobe for _, some in named for lobe in some],
         request.exhaust is not None,
         stated,
-        (request.at, request.lash),
+        request.at,
     )
     follower = Follower.of(request.follower or "flat")
     lobes = [with_contour(lobe, request.base_radius, follower) for lobe in lobes]
@@ -313,10 +306,10 @@ def _lobes(
     found: list[MeasuredLift],
     of_two_files: bool,
     stated: tuple[float | None, float | None],
-    figures: tuple[tuple[float, ...], float],
+    heights: tuple[float, ...],
 ) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
     """Every lobe smoothed with the ``stated`` noise and band (m) and measured out; of intake and exhaust
-    what both have together. ``figures``: lifts (m) of durations, and of ramp velocities.
+    what both have together. ``heights``: lifts (m) of durations.
     """
     from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
     from valvetrain.measured.lift_smoothing import smooth_lift
@@ -326,10 +319,10 @@ def _lobes(
     results = []
     for lobe in found:
         smoothed = smooth_lift(lobe.cam_angles, lobe.lifts, *stated)
-        results.append(LobeResult(lobe, smoothed, lift_figures(smoothed, *figures)))
+        results.append(LobeResult(lobe, smoothed, lift_figures(smoothed, heights)))
     known = {one.measured.name: one.smoothed for one in results}
     both = {"intake", "exhaust"} <= set(known)
-    return results, pair_figures(known["intake"], known["exhaust"], figures[0]) if both else ()
+    return results, pair_figures(known["intake"], known["exhaust"], heights) if both else ()
 
 
 def _carried(request: LiftRequest, law: LiftLawParameters) -> LiftBandStudy:

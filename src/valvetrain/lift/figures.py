@@ -23,8 +23,7 @@ from valvetrain.units.reader import shown_system
 #: centre and comes first in imperial units.
 CARD = 0.050 * 25.4e-3
 HEIGHTS = (1e-3, CARD)
-#: Lift (m) at which ramp velocities are reported where no lash is given: 0.006 in, the advertised
-#: height of cam cards.
+#: Lift (m) at which ramp velocities are reported: 0.006 in, the advertised height of cam cards.
 RAMP_HEIGHT = 0.006 * 25.4e-3
 #: Stations of the grid on which figures are read, and number of draws behind a standard deviation.
 STATIONS, DRAWS = 8001, 200
@@ -76,16 +75,13 @@ class LobeResult:
         return np.flatnonzero(np.abs(self.smoothed.residuals) > away)
 
 
-def lift_figures(
-    smoothed: SmoothedLift, heights: Sequence[float] = (), lash: float = RAMP_HEIGHT
-) -> tuple[LiftFigure, ...]:
+def lift_figures(smoothed: SmoothedLift, heights: Sequence[float] = ()) -> tuple[LiftFigure, ...]:
     """Figures of one lobe.
 
     Parameters
     ----------
     smoothed : from :func:`smooth_lift`
     heights : lifts (m) at which durations are reported in addition to 0.050 in and 1 mm
-    lash : lift (m) at which the velocities of the ramps are reported
 
     Returns
     -------
@@ -132,15 +128,13 @@ def lift_figures(
                 found.append(figure_of(f"{name}_at_{height_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
     area = np.asarray(np.trapezoid(curves[0], grid, axis=1))
     found.append(figure_of("lift_area", "area under the lift", area, "mm deg"))
-    if lash < peak:
-        at = height_text(lash)
-        for side, angle in zip(
-            ("opening", "closing"), crossings(grid, curves[0], lash), strict=True
-        ):
+    if peak > RAMP_HEIGHT:
+        flanks = zip(("opening", "closing"), crossings(grid, curves[0], RAMP_HEIGHT), strict=True)
+        for side, angle in flanks:
             slopes = [
                 np.interp(one, grid, curve) for one, curve in zip(angle, curves[1], strict=True)
             ]
-            words = f"ramp velocity, {side}, at {at}"
+            words = f"ramp velocity, {side}, at {height_text(RAMP_HEIGHT)}"
             found.append(figure_of(f"{side}_ramp_velocity", words, np.abs(slopes), "mm/deg"))
     jumps = [overshoot(smoothed, sign)[1] for sign in (1, -1)]
     rows = (

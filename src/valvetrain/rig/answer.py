@@ -17,7 +17,7 @@ from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
 from valvetrain.measured.cycles import write_cycles
 from valvetrain.measured.json import json_fields
-from valvetrain.rig.result import Peak, RigChannelCycles, RigResult, mean_peak, peaks_of
+from valvetrain.rig.result import Peak, RigChannelCycles, RigResult, peaks_of
 from valvetrain.rig.rules import RULES, RigFacts
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
@@ -142,18 +142,13 @@ class RigAnswer(ShownByRules):
         ]  # fmt: skip
 
     def _channel(self, channel: RigChannelCycles) -> Line:
-        name, peak, (top, least) = channel.cycles.quantity, mean_peak(channel), peaks_of(channel)
+        name, (top, least) = channel.cycles.quantity, peaks_of(channel)
+        mean, bar, angle = channel.top
         high, low = (
-            self.words.amount(
-                Amount(name, one.mean, one.interval if math.isfinite(one.interval) else 0.0), 4
-            )
-            for one in (peak, least)
+            self.words.amount(Amount(name, *one), 4)
+            for one in ((mean, bar), (least.mean, np.nan_to_num(least.interval)))
         )
-        at = (
-            ""
-            if math.isnan(angle_of(top))
-            else f"{digits_text(math.degrees(peak.cam_angle), 0, 4)} deg"
-        )
+        at = "" if math.isnan(angle_of(top)) else f"{digits_text(math.degrees(angle), 0, 4)} deg"
         scatter = f"± {self.words.amount(Amount(name, top.scatter), 2)}" if top.scatter > 0 else ""
         mark: Mark = (
             "bad" if channel.clipped else "warn" if channel in self.facts.drifting() else "ok"

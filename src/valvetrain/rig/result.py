@@ -56,6 +56,14 @@ class RigChannelCycles:
     clipped: bool = False
     drift: float = 0.0
 
+    @property
+    def top(self) -> tuple[float, float, float]:
+        """Largest value of the mean cycle, half width of its band (0 where there is none), and its cam angle (rad)."""
+        place = int(np.argmax(self.cycles.mean))
+        spread = float(self.spread[place])
+        bar = spread if math.isfinite(spread) else 0.0
+        return float(self.cycles.mean[place]), bar, float(self.cycles.cam_angle[place])
+
     def peaks(self, sign: float = 1.0) -> tuple[Array, Array]:
         """Largest value (smallest with ``sign`` -1) of each cycle and its cam angle (rad), both of
         shape (cycles,).
@@ -95,16 +103,6 @@ def peaks_of(channel: RigChannelCycles) -> list[Peak]:
             Peak(channel.cycles.quantity, name, mean, interval, spread, middle, scatter_of_angle)
         )
     return peaks
-
-
-def mean_peak(channel: RigChannelCycles) -> Peak:
-    """Largest value of the mean cycle, with the half width of its band."""
-    cycles = channel.cycles
-    top = int(np.argmax(cycles.mean))
-    spread = float(channel.spread[top])
-    interval = spread if np.isfinite(spread) else np.nan
-    angle = float(cycles.cam_angle[top])
-    return Peak(cycles.quantity, "mean", float(cycles.mean[top]), interval, np.nan, angle, np.nan)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
 from valvetrain.findings.words import Amount, Phrase, joined, speed_text
-from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
+from valvetrain.rig.result import RigChannelCycles, RigResult, peaks_of
 from valvetrain.solution.definition import label_of
 
 #: Share of the cycles that are alike at least; relative range of their speeds; share of its swing by which a channel drifts.
@@ -107,9 +107,9 @@ def uneven(facts: RigFacts) -> Hits:
 def usable(facts: RigFacts) -> Hits:
     """The cycles are alike and nothing speaks against them."""
     channel, result = facts.result.channels[0], facts.result
-    name, peak, scatter = channel.cycles.quantity, mean_peak(channel), peaks_of(channel)[0].scatter
+    name, scatter = channel.cycles.quantity, peaks_of(channel)[0].scatter
     fields: Fields = {
-        "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, peak.mean),
+        "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, channel.top[0]),
         "scatter": Amount(name, scatter) if scatter > 0 else "", "step": facts.step(COMPARE)
     }  # fmt: skip
     yield Hit(fields={**_count(result), **fields})
