@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -95,18 +96,13 @@ def lost(facts: FilmFacts) -> Hits:
             yield Hit(fields={"coil": f"{coil}", "share": f"{100 * share:.0f} %"}, severity=share)
 
 
-def mirrored(facts: FilmFacts, strongest: bool = True) -> Hits:
-    """Fewer than 2.5 frames show a cycle of the strongest surge line."""
+def mirrored(facts: FilmFacts, strongest: bool) -> Hits:
+    """Fewer than 2.5 frames show a cycle of the ``strongest`` surge line, or of another."""
     rate, largest = facts.motion.seen.frame_rate, max((line.amplitude for line in facts.lines), default=0.0)  # fmt: skip
     for line in facts.lines:
         if line.natural_frequency * FEW > rate and (line.amplitude == largest) is strongest:
             other = Amount("surge_frequency", rate - line.natural_frequency)
             yield Hit(Amount("surge_frequency", line.natural_frequency), fields={"other": other})
-
-
-def also_mirrored(facts: FilmFacts) -> Hits:
-    """Fewer than 2.5 frames show a cycle of a weaker surge line."""
-    return mirrored(facts, strongest=False)
 
 
 def apart(facts: FilmFacts) -> Hits:
@@ -184,7 +180,7 @@ AGAINST = "valvetrain compare-test {case} --test {file} --model {model}[ --share
 RULES = (
     Rule("Y201", "decides", "coil {coil} is lost in {share} of the frames", lost, (), "its highlight leaves the line or runs into another",
          "set --line and --coils, or light one glare line on each coil", mark="warn", guide="film.md"),
-    Rule("Y202", "decides", "too few frames: the surge line at {value:4} may be one of {other:4}", mirrored, (),
+    Rule("Y202", "decides", "too few frames: the surge line at {value:4} may be one of {other:4}", partial(mirrored, strongest=True), (),
          "fewer than 2.5 frames show a cycle of it", "film at a higher frame rate", mark="warn", guide="film.md"),
     Rule("Y221", "decides", "the model does not follow the film: coil {coil} is off by {value:2} of {peak:3}", far, (),
          "[surge at {modelled:4}, filmed at {filmed:4}]", AGAINST, mark="warn"),
@@ -200,6 +196,7 @@ RULES = (
          "what follows is of these frames alone", "export or copy the film again"),
     Rule("Y211", "warns", "the {by} shows {speed} of the cam, {given} was given: check the frame rate", disagrees),
     Rule("Y212", "warns", "the film shows {turns} cam revolutions, so peaks have no scatter[; {unseen}]", few_turns),
-    Rule("Y214", "warns", "the weaker surge line at {value:4} may be one of {other:4}: too few frames show a cycle of it", also_mirrored),
+    Rule("Y214", "warns", "the weaker surge line at {value:4} may be one of {other:4}: too few frames show a cycle of it",
+         partial(mirrored, strongest=False)),
     Rule("Y213", "warns", "the zero of the cam angle is not known: give --marker-angle, --first-angle or a lift", no_zero)
 )  # fmt: skip

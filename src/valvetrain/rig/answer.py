@@ -52,12 +52,11 @@ def angle_of(peak: Peak) -> float:
 
 def data_of(result: RigResult) -> dict[str, Any]:
     """The answer for JSON, SI; ``quantities`` as every command names its numbers."""
-    peaks = [peaks_of(channel) for channel in result.channels]
     fit, retained = result.alignment, list(result.retained)
-    units = {channel.cycles.quantity: channel.cycles.unit for channel in result.channels}
     return {
         "quantities": {
-            f"{peak.figure}_{peak.quantity}": {"value": peak.mean, "unit": units[peak.quantity]} for some in peaks for peak in some
+            f"{peak.figure}_{one.quantity}": {"value": peak.mean, "unit": one.unit}
+            for channel in result.channels for one in (channel.cycles,) for peak in peaks_of(channel)
         },
         "command": "rig", "case": "", "completed": True, "file": result.name, "form": result.form, "synthetic": result.synthetic,
         "cycles": result.grid.cycles, "kept": [cycle + 1 for cycle in retained],
@@ -69,17 +68,17 @@ def data_of(result: RigResult) -> dict[str, Any]:
             "opening": fit.opening, "closing": fit.closing, "gain": fit.gain, "residual": float(np.sqrt(np.mean(fit.residual**2)))
         },
         "angle_scatter": result.shaft.scatter,
-        "channels": [_channel(*one) for one in zip(result.channels, peaks, strict=True)],
+        "channels": list(map(_channel, result.channels)),
         "notes": list(result.notes)
     }  # fmt: skip
 
 
-def _channel(channel: RigChannelCycles, peaks: list[Peak]) -> dict[str, Any]:
+def _channel(channel: RigChannelCycles) -> dict[str, Any]:
     whole = bool(np.isfinite(channel.spread).all())
     return {
         "quantity": channel.cycles.quantity, "unit": channel.cycles.unit, "channel": channel.raw.channel, "band": channel.band,
         "clipped": channel.clipped, "drift": channel.drift, "notes": list(channel.cycles.notes),
-        "figures": [json_fields(peak, FIGURES) for peak in peaks], "spread_of_mean": float(np.median(channel.spread)) if whole else None
+        "figures": [json_fields(peak, FIGURES) for peak in peaks_of(channel)], "spread_of_mean": float(np.median(channel.spread)) if whole else None
     }  # fmt: skip
 
 

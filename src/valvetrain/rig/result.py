@@ -77,7 +77,6 @@ class Peak(NamedTuple):
     deviation over the cycles; its circular mean angle and the scatter of that. NaN: none, as of a single cycle.
     """
 
-    quantity: str
     figure: str
     mean: float
     interval: float
@@ -99,9 +98,7 @@ def peaks_of(channel: RigChannelCycles) -> list[Peak]:
             interval = student(len(values)) * spread / math.sqrt(len(values))
         scatter_of_angle = float(np.sqrt(np.mean(away**2)))
         mean = float(np.mean(values))
-        peaks.append(
-            Peak(channel.cycles.quantity, name, mean, interval, spread, middle, scatter_of_angle)
-        )
+        peaks.append(Peak(name, mean, interval, spread, middle, scatter_of_angle))
     return peaks
 
 
