@@ -87,8 +87,9 @@ def test_every_public_result_has_an_answer():
 def test_a_measured_lift_shows_its_rows_and_its_band(smoothed):
     assert "<table>" in lift(smoothed)._repr_html_()
     figure = lift(smoothed).plot()
-    law, mean = lift(smoothed=True), figure.data[1]
+    law, (low, high, mean) = lift(smoothed=True), figure.data[:3]
     assert mean.y == pytest.approx(1e3 * law.lift(np.radians(mean.x)), abs=1e-4)
+    assert np.all(low.y <= mean.y) and np.all(mean.y <= high.y) and np.ptp(high.y - low.y) > 0
 
 
 @pytest.mark.parametrize("made", [from_card, from_tester])

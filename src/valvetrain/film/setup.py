@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Answers,
@@ -48,11 +50,7 @@ def read_ends(given: Any, where: str) -> Ends:
 def _numbers(given: Any, count: int, where: str) -> list[Point]:
     try:
         parts = given.split(",") if isinstance(given, str) else given
-        flat = [
-            float(x)
-            for part in parts
-            for x in (part if isinstance(part, (list, tuple)) else [part])
-        ]
+        flat = np.ravel(np.array(parts, dtype=float)).tolist()
     except (TypeError, ValueError):
         flat = []
     if len(flat) != count or not all(abs(value) < 1e6 for value in flat):

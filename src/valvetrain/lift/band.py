@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from valvetrain.units import as_names, known_arguments, si_speeds
 
 #: Default number of draws: their standard deviation is known to 18 %.
 DRAWS = 16
+#: A case, its speeds, those between which critical ones are searched, and the options of its runs.
+Shared = tuple[Case, Speeds | None, Speeds | None, dict[str, Any]]
 #: Bounds of one law, whose study was counted with the others, and what makes such a request large.
 WHOLE, FEWER_LAWS = "10000 d, 1000 TB", "laws, speeds or unknowns"
 
@@ -140,7 +143,8 @@ def lift_band_study(
     refuse_cost(
         band_cost(run_request, draws, searched), read_limit(limit, "limit"), "limit=", FEWER_LAWS
     )
-    shared = _Shared(known, engine_speeds, search, models, sets)
+    options = {"models": models, "spring_sets": sets, "workers": 1, "limit": WHOLE}
+    shared = known, engine_speeds, search, options
 
     def tell(done: int, total: int) -> None:
         if progress is not None:
@@ -178,35 +182,17 @@ def band_cost(run_request: RunRequest, draws: int, search: Sequence[float] | Non
     return Cost(once.seconds * math.ceil((draws + 1) / at_a_time), once.bytes * (draws + 1))
 
 
-@dataclass(frozen=True, eq=False)
-class _Shared:
-    case: Case
-    engine_speeds: Speeds | None
-    search: Speeds | None
-    models: tuple[str, ...]
-    spring_sets: tuple[str, ...]
-
-
-def _study_of(shared: _Shared, draw: int) -> Study:
+def _study_of(shared: Shared, draw: int) -> Study:
     """The study of one draw, its channels left behind but for the mean."""
-    law = shared.case.lift_law
+    nominal, engine_speeds, search, options = shared
+    law = nominal.lift_law
     assert law is not None
-    case = shared.case.replace(lift_law=law.replace(draw=draw)) if draw else shared.case
-    models, sets = shared.models, shared.spring_sets
-    study = simulate(
-        case, shared.engine_speeds, models=models, spring_sets=sets, workers=1, limit=WHOLE
-    )
-    if shared.search is None:
+    case = nominal.replace(lift_law=law.replace(draw=draw)) if draw else nominal
+    study = simulate(case, engine_speeds, **options)
+    if search is None:
         return study
-    critical = sweep(
-        case,
-        shared.search,
-        models=models,
-        spring_sets=sets,
-        workers=1,
-        ranges=False,  # of every drawn law the nominal speed alone
-        limit=WHOLE,
-    )
+    # of every drawn law the nominal speed alone
+    critical = sweep(case, search, ranges=False, **options)
     keep = {
         label: {**study.still.get(label, {}), **_critical(critical, label)}
         for label in {*study.still, *critical.labels}
