@@ -15,7 +15,6 @@ from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_types import Table
 from valvetrain.parameters.spring_blocks import fields_of
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.summary import number
 from valvetrain.parameters.train import PARTS, TrainParameters
 from valvetrain.parameters.winding import EndCoil
@@ -46,7 +45,7 @@ def _sections() -> Iterator[tuple[str, list[str]]]:
     yield "`contact` of a spring's coils", _rows(CoilContact)
     yield "`guide` of a wire", _rows(Guide)
     for word in registry.BUILT_IN["springs"]:
-        yield f"`options.{word}` of a spring", _rows(options_table(word))
+        yield f"`options.{word}` of a spring", _rows(registry.find("springs", word).options)
     yield "`[rubbing]`, `[train.rubbing]`", _rows(Rubbing)
     yield "`[operation]`", _rows(Operation)
     yield "`[lift_law]`, every kind", _rows(LiftModel)

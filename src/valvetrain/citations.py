@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -15,6 +15,8 @@ _ENTRY = re.compile(
     r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<body>.*?)^\}$", re.MULTILINE | re.DOTALL
 )
 _FIELD = re.compile(r"^  (?P<name>\w+) = \{(?P<value>.*)\},$", re.MULTILINE)
+#: Fields that say where a work is found, in the order in which they are printed.
+PLACE = ("journal", "howpublished", "publisher", "institution", "volume", "number", "pages")
 
 
 @dataclass(frozen=True)
@@ -23,27 +25,26 @@ class Reference:
 
     kind: str
     key: str
-    fields: tuple[tuple[str, str], ...]
-
-    def field(self, name: str) -> str:
-        """Value of a field, empty where the entry has none."""
-        return dict(self.fields).get(name, "")
+    fields: Mapping[str, str]
 
     def text(self) -> str:
         """The reference in one line: authors, title, where, year."""
-        place = [
-            self.field(name)
-            for name in ("journal", "howpublished", "publisher", "institution")
-            if self.field(name)
-        ]
-        place += [self.field(name) for name in ("volume", "number", "pages") if self.field(name)]
-        edition = f" ({self.field('edition')} edition)" if self.field("edition") else ""
-        doi = f". doi:{self.field('doi')}" if self.field("doi") else ""
-        return f"{_people(self.field('author'))}: {self.field('title')}{edition}. {', '.join(place)} ({self.field('year')}){doi}".strip()
+        fields = self.fields
+        names = []
+        for author in re.sub("[{}]", "", fields.get("author", "")).split(" and "):
+            family, _, given = author.partition(", ")
+            names.append(f"{given} {family}".strip())
+        people = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        place = ", ".join(fields[name] for name in PLACE if name in fields)
+        edition = f" ({fields['edition']} edition)" if "edition" in fields else ""
+        doi = f". doi:{fields['doi']}" if "doi" in fields else ""
+        title, year = fields.get("title", ""), fields.get("year", "")
+        return f"{people}: {title}{edition}. {place} ({year}){doi}".strip()
 
     def bibtex(self) -> str:
         """The reference as a BibTeX entry."""
-        lines = [f"  {name} = {{{value}}}," for name, value in self.fields if name != "topic"]
+        shown = (one for one in self.fields.items() if one[0] != "topic")
+        lines = [f"  {name} = {{{value}}}," for name, value in shown]
         return "\n".join([f"@{self.kind}{{{self.key},", *lines, "}"])
 
 
@@ -68,7 +69,7 @@ def parse_references(text: str) -> dict[str, Reference]:
         found[key] = Reference(
             match["kind"],
             key,
-            tuple((field["name"], field["value"]) for field in _FIELD.finditer(match["body"])),
+            {field["name"]: field["value"] for field in _FIELD.finditer(match["body"])},
         )
     return found
 
@@ -120,13 +121,3 @@ def _chosen(keys: str | Iterable[str]) -> list[Reference]:
             hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
             raise InputError(f"reference '{key[:40]}' is unknown; {hint}")
     return [known[key] for key in keys]
-
-
-def _people(authors: str) -> str:
-    names = []
-    for author in authors.replace("{", "").replace("}", "").split(" and "):
-        family, _, given = author.partition(", ")
-        names.append(f"{given} {family}".strip())
-    if len(names) < 2:
-        return "".join(names)
-    return f"{', '.join(names[:-1])} and {names[-1]}"

@@ -352,21 +352,16 @@ def find(kind: str, word: str, where: str = "") -> Any:
             )
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
         raise InputError(f"{noun} '{word[:40]}' is unknown; {hint}", where)
-    return _load(kind, word, known[word])
+    module, _, attribute = known[word].partition(":")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"{noun} '{word}' cannot be loaded from {known[word]} ({error}); repair or remove the package"
+        ) from error
 
 
 @cache
 def _made(kind: str, word: str) -> Any:
     module, _, attribute = MAKERS[kind].partition(":")
     return getattr(import_module(module), attribute)(word, OWN[word])
-
-
-@cache
-def _load(kind: str, word: str, place: str) -> Any:
-    module, _, attribute = place.partition(":")
-    try:
-        return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise InputError(
-            f"{KINDS[kind][1]} '{word}' cannot be loaded from {place} ({error}); repair or remove the package"
-        ) from error

@@ -25,7 +25,6 @@ from valvetrain.parameters.installed_spring import (
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train import PARTS, TrainParameters
 from valvetrain.parameters.winding import EndCoil
 from valvetrain.units import DIMENSIONS
@@ -36,7 +35,10 @@ TABLES = {
     "spring.contact": CoilContact, "rubbing": Rubbing, "operation": Operation,
     "lift_law": lift_law.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
 }  # fmt: skip
-TABLES |= {f"options.{word}": options_table(word) for word in registry.BUILT_IN["springs"]}
+TABLES |= {
+    f"options.{word}": registry.find("springs", word).options
+    for word in registry.BUILT_IN["springs"]
+}
 TABLES |= {f"train.{name}": table for name, table in PARTS.items()}
 TABLES |= {f"{kind}": registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
 TRIED = (-1e12, -2.0, -1.0, -1e-9, 0.0, 1e-9, 1.0, 2.0, 1e12)

@@ -17,7 +17,6 @@ from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_blocks import CARD, OF_CARD, OF_WIRE
-from valvetrain.parameters.spring_options import options_table
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "case-files.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
@@ -32,7 +31,9 @@ def test_printed_cases_load(text):
 def test_every_kind_and_key_is_named():
     assert len(EXAMPLES) >= 4
     laws = {kind: registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
-    options = {word: options_table(word) for word in registry.BUILT_IN["springs"]}
+    options = {
+        word: registry.find("springs", word).options for word in registry.BUILT_IN["springs"]
+    }
     tables = [(laws, set(LiftModel.model_fields)), (options, set())]
     blocks = (SpringDefinition, DampingParameters, CoilContact, Rubbing, Operation)
     installed = {*CARD, *OF_CARD, *OF_WIRE}

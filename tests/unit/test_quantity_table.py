@@ -64,7 +64,6 @@ def _clear_registry() -> None:
     from valvetrain import registry
 
     registry.places.cache_clear()
-    registry._load.cache_clear()
 
 
 @pytest.mark.parametrize("one", ROWS, ids=lambda one: one.name)

@@ -23,10 +23,8 @@ def failing(result: object) -> None:
 def known(monkeypatch):
     monkeypatch.setitem(registry.BUILT_IN["answers"], "Answer", f"{__name__}:failing")
     registry.places.cache_clear()
-    registry._load.cache_clear()
     yield
     registry.places.cache_clear()
-    registry._load.cache_clear()
 
 
 def test_an_answer_that_fails_costs_nothing_else(known):

@@ -66,6 +66,14 @@ class PeriodicPieces:
         return total
 
 
+def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, float]:
+    """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times
+    the blend.
+    """
+    velocity = ramp_lift / (length * (1 - blend / 2))
+    return velocity, velocity * blend * length / 2
+
+
 def quintic_pieces(breaks: Array, start: Array, end: Array) -> Array:
     """Ascending coefficients (pieces, 6) of the quintics with lift, first and second derivative
     ``start`` and ``end``, each (pieces, 3).

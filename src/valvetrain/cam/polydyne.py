@@ -14,8 +14,8 @@ from pydantic import Field
 from valvetrain.arrays import Array
 from valvetrain.cam.contract import HIGHEST_DERIVATIVE, TURN, LiftSpec, after, check_derivative
 from valvetrain.cam.flanks import polynomial_value, rise_factors
-from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
-from valvetrain.cam.ramped import RampBlend, ramp_states
+from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, ramp_states, with_base_circle
+from valvetrain.cam.ramped import RampBlend
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import Exponents, LiftModel
 from valvetrain.parameters.schema_types import (

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
-from valvetrain.cam.pieces import PeriodicPieces, solve
+from valvetrain.cam.pieces import PeriodicPieces, ramp_states, solve
 from valvetrain.cam.spline import Stations
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel
@@ -108,14 +108,6 @@ def _with_nose(half: HalfLobe, deceleration: float) -> HalfLobe:
             f"{-least * 1e3:.4g} to {-most * 1e3:.4g} mm/rad^2; change it, or lengthen the event"
         )
     return replace(half, share=share)
-
-
-def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, float]:
-    """Velocity of the ramp (m/rad) and the lift (m) at which it is reached: half the velocity times
-    the blend.
-    """
-    velocity = ramp_lift / (length * (1 - blend / 2))
-    return velocity, velocity * blend * length / 2
 
 
 RampBlend = Annotated[float, quantity("ratio", low=0.01, high=1.0)]

@@ -15,8 +15,7 @@ from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.cam.contract import TURN, LiftSpec
-from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, with_base_circle
-from valvetrain.cam.ramped import ramp_states
+from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, ramp_states, with_base_circle
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, quantity
@@ -81,7 +80,7 @@ class Shaped:
         if self._mirrored:
             return
         name = "flank_shape" if self.closing_flank_shape is None else "closing_flank_shape"
-        if not min(self._closing_shape[:-1]) < 0:
+        if not min(getattr(self, name)[:-1]) < 0:
             raise InputError(
                 f"{name} needs a negative value before its last, which a closing flank leaves to the nose; add one"
             )
@@ -100,10 +99,6 @@ class Shaped:
     def _mirrored(self) -> bool:
         return self.event_end is None and self.closing_flank_shape is None
 
-    @property
-    def _closing_shape(self) -> tuple[float, ...]:
-        return self.flank_shape if self.closing_flank_shape is None else self.closing_flank_shape
-
     @cached_property
     def _opening(self) -> tuple[Array, Array, Array]:
         return self._flank(self.event_start, self.nose, self.flank_shape)
@@ -111,9 +106,8 @@ class Shaped:
     @cached_property
     def _closing(self) -> tuple[Array, Array, Array]:
         """As :attr:`_opening`, run backwards in negative cam angles."""
-        return self._flank(
-            -self.closing_end, -self.nose, self._closing_shape, float(self._opening[1][-1, 2])
-        )
+        shape = self.closing_flank_shape or self.flank_shape
+        return self._flank(-self.closing_end, -self.nose, shape, float(self._opening[1][-1, 2]))
 
     def _flank(
         self,

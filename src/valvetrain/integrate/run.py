@@ -16,7 +16,7 @@ from valvetrain.registry import names as registered_names
 from valvetrain.solution.channels import FINE
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
-from valvetrain.system.contract import TRAIN, System
+from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 if TYPE_CHECKING:
@@ -37,23 +37,7 @@ def run(
     :class:`InputError` for a cam speed that is not positive, an unknown integrator or one that does
     not serve the system; whatever happens in the run itself is its status.
     """
-    _check(cam_speed)
-    origin = provenance or _origin(system, cam_speed)
-    if isinstance(system, PrescribedSpring) and len(system.springs) > 1:
-        members = system.members()
-        parts = tuple(run(member, cam_speed, until, options, origin) for member in members)
-        if isinstance(until, Periodic):  # of springs that settle at different times, the latest
-            longest = max(round(cam_speed * part.time[-1] / (2 * np.pi)) for part in parts)
-            parts = tuple(
-                part
-                if cam_speed * part.time[-1] > 2 * np.pi * (longest - 0.5)
-                else run(member, cam_speed, Cycles(longest), options, origin)
-                for part, member in zip(parts, members, strict=True)
-            )
-        return joined(parts, system.spring_names, origin)
-    return integrator_for(system, until, options.integrator).run(
-        system, cam_speed, until, options, origin
-    )
+    return run_to_orbit(system, cam_speed, until, options, provenance)[0]
 
 
 def run_to_orbit(
@@ -66,17 +50,27 @@ def run_to_orbit(
     """As :func:`run`, and of a train the motion it ended on, which ``RunOptions.start`` takes at
     another speed; None of what has none.
     """
-    if system.kind != TRAIN:
-        return run(system, cam_speed, until, options, provenance), None
     from valvetrain.integrate.train_leapfrog import TrainLeapfrog
 
-    _check(cam_speed)
-    found = integrator_for(system, until, options.integrator)
-    if not isinstance(found, TrainLeapfrog):
-        return run(system, cam_speed, until, options, provenance), None
-    return found.run_to_orbit(
-        system, cam_speed, until, options, provenance or _origin(system, cam_speed)
-    )
+    if not (math.isfinite(cam_speed) and cam_speed > 0):
+        raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
+    origin = provenance or _origin(system, cam_speed)
+    if isinstance(system, PrescribedSpring) and len(system.springs) > 1:
+        members = system.members()
+        parts = tuple(run(member, cam_speed, until, options, origin) for member in members)
+        if isinstance(until, Periodic):  # of springs that settle at different times, the latest
+            longest = max(round(cam_speed * part.time[-1] / (2 * np.pi)) for part in parts)
+            parts = tuple(
+                part
+                if cam_speed * part.time[-1] > 2 * np.pi * (longest - 0.5)
+                else run(member, cam_speed, Cycles(longest), options, origin)
+                for part, member in zip(parts, members, strict=True)
+            )
+        return joined(parts, system.spring_names, origin), None
+    integrator = integrator_for(system, until, options.integrator)
+    if isinstance(integrator, TrainLeapfrog):
+        return integrator.run_to_orbit(system, cam_speed, until, options, origin)
+    return integrator.run(system, cam_speed, until, options, origin), None
 
 
 def integrator_for(system: System, until: Until, word: str | None = None) -> Integrator:
@@ -91,11 +85,6 @@ def integrator_for(system: System, until: Until, word: str | None = None) -> Int
     raise InputError(
         f"no integrator {f'{word!r} ' if word else ''}runs a {system.kind} for {type(until).__name__}; choose another"
     )
-
-
-def _check(cam_speed: float) -> None:
-    if not (math.isfinite(cam_speed) and cam_speed > 0):
-        raise InputError(f"the cam speed must be positive; it is {cam_speed:g} rad/s")
 
 
 def _origin(system: System, cam_speed: float) -> Provenance:

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.parameters.card_doubts import doubtful_surge, doubtful_turns
-from valvetrain.parameters.material import Material, MaterialField, material_by_name
+from valvetrain.parameters.material import MATERIALS, Material, MaterialField
 from valvetrain.parameters.schema_types import (
     FOLLOWS,
     SUCH_AS,
@@ -35,7 +35,7 @@ MIN_TURNS = 0.3
 #: Turns of a closed and ground spring that do not move, both ends together.
 INACTIVE = 2.0
 #: Of a card that names no material.
-DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
+DEFAULT_MATERIAL = MATERIALS["EN 10270-2 VDSiCr"]
 
 
 @table("the card")

@@ -31,7 +31,6 @@ from valvetrain.parameters.schema_types import (
     AngularSpeed,
     PositiveLength,
     Table,
-    guarded,
     problem,
     quantities,
     quantity,
@@ -41,7 +40,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
-from valvetrain.units import believed, si, si_speeds
+from valvetrain.units import MAX_SPEEDS, believed
 
 #: Fields of a case that change none of its numbers.
 _TEXTS = (
@@ -183,11 +182,9 @@ class Operation(Table):
         speeds = self.engine_speeds or tuple(2 * speed for speed in cam_speeds or ())
         if any(speed <= 0 for speed in speeds):
             raise problem("a speed must be positive; correct the list")
-        if speeds:
-            guarded(si_speeds, map(_rpm, speeds))
+        if len(speeds) > MAX_SPEEDS:
+            raise problem(f"there are more than {MAX_SPEEDS} speeds; take a larger step")
         object.__setattr__(self, "engine_speeds", tuple(dict.fromkeys(speeds)))
-        if self.red_line is not None:
-            guarded(si, _rpm(self.red_line), "engine_speed", path=("red_line",))
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
 
@@ -211,10 +208,6 @@ class Limits(Table):
 
     bounce: PositiveLength | None = Field(default=None, description="without it 0.1 mm")
     loft: PositiveLength | None = Field(default=None, description="without it none")
-
-
-def _rpm(speed: float) -> str:
-    return f"{speed * 30 / math.pi:.12g} rpm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,8 +325,9 @@ class Case:
 
         Keys of works that valvetrain/references.bib does not hold are shown as they are.
         """
-        from valvetrain.citations import cite, references
+        from valvetrain.citations import references
 
+        known = references()
         return CaseRecord(
             name=self.name,
             title=self.title,
@@ -341,7 +335,7 @@ class Case:
             study=self.study,
             remarks=self.remarks,
             published=self.published,
-            citations=tuple(cite(key) if key in references() else key for key in self.cite()),
+            citations=tuple(known[key].text() if key in known else key for key in self.cite()),
             zero_of_angle=self.lift_law.zero if self.lift_law is not None else "",
             changed=self.changed,
             text=self.text,

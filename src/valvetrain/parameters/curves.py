@@ -124,24 +124,17 @@ class PiecewiseLinear(_Knots):
         return slopes[np.searchsorted(knots, np.asarray(coil, dtype=float), side="right")]
 
     def integral(self, coil: ArrayLike) -> Array:
-        places = np.asarray(coil, dtype=float)
-        found = self._primitive(np.append(places, 0.0))
-        areas: Array = (found[:-1] - found[-1]).reshape(places.shape)
-        return areas
-
-    def _primitive(self, coil: Array) -> Array:
+        places = np.append(coil, 0.0)
         knots, values = np.asarray(self.coils), np.asarray(self.values)
         areas = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (values[1:] + values[:-1]) / 2)))
-        inside = np.clip(coil, knots[0], knots[-1])
+        inside = np.clip(places, knots[0], knots[-1])
         segment = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(knots) - 2)
         step = inside - knots[segment]
         slope = (np.diff(values) / np.diff(knots))[segment]
         area = areas[segment] + values[segment] * step + slope * step**2 / 2
-        found: Array = (
-            area
-            + np.minimum(coil - knots[0], 0) * values[0]
-            + np.maximum(coil - knots[-1], 0) * values[-1]
-        )
+        area += np.minimum(places - knots[0], 0) * values[0]
+        area += np.maximum(places - knots[-1], 0) * values[-1]
+        found: Array = (area[:-1] - area[-1]).reshape(np.shape(coil))
         return found
 
 

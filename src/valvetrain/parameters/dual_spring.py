@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.card import INACTIVE, SpringCard
-from valvetrain.parameters.schema_types import guarded, placed, problem, validate_as
+from valvetrain.parameters.schema_types import guarded, problem, validate_as
 
 #: Loads of one are parted where both together agree with wires and coils within these factors.
 LOW, HIGH = 0.7, 1.4
@@ -175,16 +175,16 @@ def read_pair(entries: list[dict[str, Any]]) -> tuple[SpringCard, SpringCard]:
     if outer.installed_height is None:
         raise problem("total loads are parted at installed_height; add it", (0, "installed_height"))
     height = outer.installed_height
-    rate, lift = placed(0, outer.rate_and_lift, height)
-    placed(0, outer.refuse_open_solid, lift, height)
-    halves = [placed(place, _half, one, height) for place, one in enumerate((outer, inner))]
+    rate, lift = guarded(outer.rate_and_lift, height, path=(0,))
+    guarded(outer.refuse_open_solid, lift, height, path=(0,))
+    halves = [guarded(_half, one, height, path=(n,)) for n, one in enumerate((outer, inner))]
     found = guarded(part, rate, outer.preload, *halves)
     cards = []
     for place, half in enumerate(halves):
         loads = {"preload": found.preloads[place], "rate": found.rates[place], "open_lift": lift}
         turns = half.active_coils or found.active_coils[place]
         split = {} if place else found.fields
-        cards.append(placed(place, half.parted, split, active_coils=turns, **loads))
+        cards.append(guarded(half.parted, split, path=(place,), active_coils=turns, **loads))
     if doubt := doubtful_pair(found.rates, found.active_coils):
         warnings.warn(f"dual spring: {doubt}", UnusualValueWarning, stacklevel=2)
     return cards[0], cards[1]

@@ -5,12 +5,12 @@ and the options of its models.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import InitVar, fields, replace
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from pydantic import Field, StrictBool, model_validator
+from pydantic import AfterValidator, Field, StrictBool, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import ArgsKwargs
 
@@ -234,7 +234,7 @@ class CoilContact(Table):
     law: str = Field(
         default=LINEAR, description="law of the force, with keys of its own where it has some"
     )
-    values: Mapping[str, Any] = FrozenMapping()
+    values: Annotated[Mapping[str, Any], AfterValidator(FrozenMapping)] = FrozenMapping()
 
     @model_validator(mode="before")
     @classmethod
@@ -255,9 +255,6 @@ class CoilContact(Table):
         """The fields of the table with those of the law that it names."""
         own = {key: one for key, one in cls.model_fields.items() if key != "values"}
         return {**own, **_table_of(given.get("law", LINEAR)).model_fields}
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "values", FrozenMapping(self.values))
 
 
 EndContact = Literal["lifting", "bonded"]
@@ -464,12 +461,6 @@ class Rubbing(Table):
         for name in ("coefficient", "normal_force"):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, 0.0)
-
-
-def refuse_rubbing(raw: Any, springs: Iterable[Any], remedy: str) -> None:
-    """Refuse a table of rubbing where none of the ``springs``, as a file has them, is a pair."""
-    if raw and not any(isinstance(one, list) and len(one) > 1 for one in springs):
-        raise problem(f"rubbing acts between two nested springs{remedy}", ("rubbing",))
 
 
 def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = "") -> str:

@@ -10,14 +10,14 @@ from collections.abc import Container
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PlainValidator, ValidationInfo, field_validator
 
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes, named_file
 from valvetrain.parameters.case import Case, Limits, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
+from valvetrain.parameters.installed_spring import Rubbing
 from valvetrain.parameters.lift_law import LiftField, LiftLawParameters, LiftModel
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
@@ -27,7 +27,6 @@ from valvetrain.parameters.schema_types import (
     Prose,
     StrictModel,
     guarded,
-    placed,
     problem,
     quantity,
     validate_as,
@@ -98,7 +97,7 @@ class PublishedModel(StrictModel):
             PublishedValue(
                 **shared
                 | entry.model_dump(exclude_defaults=True, exclude={"value"})
-                | placed(("quantities", name), entry.read, name)
+                | guarded(entry.read, name, path=("quantities", name))
             )
             for name, entry in self.quantities.items()
         )
@@ -117,13 +116,18 @@ def parameters_of(law: LiftModel, folder: Path) -> LiftLawParameters:
 
     Raises what the table itself raises, which is never cached.
     """
-    key = _key(law, folder)
+    name = getattr(law, "file", None)
+    if not isinstance(name, str):
+        return law.parameters(folder)
+    key = _key(law, folder, name)
     with _turn:
         if key is not None and key in _cache:
             _cache.move_to_end(key)
             return _cache[key]
     found = law.parameters(folder)
-    if key is not None and key == _key(law, folder):  # the file stayed the same while it was read
+    if key is not None and key == _key(
+        law, folder, name
+    ):  # the file stayed the same while it was read
         with _turn:
             _cache[key] = found
             while len(_cache) > MAX_CACHED:
@@ -131,16 +135,10 @@ def parameters_of(law: LiftModel, folder: Path) -> LiftLawParameters:
     return found
 
 
-def _key(law: LiftModel, folder: Path) -> _Key | None:
-    """The words of a law and the content of its file; None where it names none, or none that can be
-    read.
-    """
-    name = getattr(law, "file", None)
-    ours = type(law).__module__.startswith(
-        "valvetrain."
-    )  # a law of somebody else may read more than this file
-    if not isinstance(name, str) or not ours:
-        return None
+def _key(law: LiftModel, folder: Path, name: str) -> _Key | None:
+    """The words of a law and the content of its file ``name``; None where that cannot be read."""
+    if not type(law).__module__.startswith("valvetrain."):
+        return None  # a law of somebody else may read more than this file
     try:
         content = bounded_bytes(named_file(folder, name), "lift table")
     except (InputError, OSError, ValueError):
@@ -191,11 +189,13 @@ class CaseModel(StrictModel):
     points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
 
-    @model_validator(mode="before")
+    @field_validator("rubbing", mode="before")
     @classmethod
-    def _two_springs_rub(cls, raw: Any) -> Any:
-        remedy = "; remove it (a train has [train.rubbing])"
-        refuse_rubbing(raw.get("rubbing"), (raw.get("spring"),), remedy)
+    def _two_springs_rub(cls, raw: Any, info: ValidationInfo) -> Any:
+        if raw and len(info.data.get("spring", ())) < 2:
+            raise problem(
+                "rubbing acts between two nested springs; remove it (a train has [train.rubbing])"
+            )
         return raw
 
     @field_validator("train", mode="before")
@@ -215,15 +215,15 @@ class CaseModel(StrictModel):
                 train = train | {part: lent} if part else lent
         return train
 
-    def _law(self) -> LiftModel | None:
-        """The law; a cam card over a bucket tappet, which moves the valve itself, has ``rocker_ratio`` 1.
+    def _law_of(self, train: TrainParameters) -> LiftModel | None:
+        """The law of a ``train``; a cam card over a bucket tappet, which moves the valve itself, has ``rocker_ratio`` 1.
 
         A card that contradicts its train is refused with its own place.
         """
-        law, train = self.lift_law, self.train
+        law = self.lift_law
         ratio = getattr(law, "rocker_ratio", None)
-        if train is None or law is None:
-            return law
+        if law is None:
+            return None
         if train.kind == "direct" and "rocker_ratio" in type(law).model_fields:
             if ratio not in (None, 1.0):
                 raise problem(
@@ -267,9 +267,10 @@ class CaseModel(StrictModel):
         refused = point_problem(self.study, self.points, self.spring)
         if refused is not None:
             raise problem(refused[1], ("points", *filter(None, refused[:1])))
-        law = self._law()
+        law = self.lift_law if self.train is None else self._law_of(self.train)
         published = (
-            placed(("published", index), group.build) for index, group in enumerate(self.published)
+            guarded(group.build, path=("published", index))
+            for index, group in enumerate(self.published)
         )
         return Case(
             name=self.name or name,
@@ -277,7 +278,7 @@ class CaseModel(StrictModel):
             description=self.description,
             springs=self.spring,
             rubbing=self.rubbing,
-            lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
+            lift_law=guarded(parameters_of, law, folder, path=("lift_law",)) if law else None,
             operation=self.operation,
             limits=self.limits,
             train=self.train,

@@ -21,7 +21,6 @@ from valvetrain.parameters.schema_types import (
     Ratio,
     StrictModel,
     guarded,
-    placed,
     problem,
     quantity,
     validate_as,
@@ -204,7 +203,9 @@ def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
         )
     of_steel = {"law": STEEL} if raw.get("others") == STEEL else {}
     found = {
-        place: placed(place, _read_contact, of_steel | table if isinstance(table, dict) else table)
+        place: guarded(
+            _read_contact, of_steel | table if isinstance(table, dict) else table, path=(place,)
+        )
         for place, table in raw.items()
     }
     if (rest := found.pop("others", None)) is not None:

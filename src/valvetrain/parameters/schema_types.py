@@ -7,7 +7,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from functools import partial, wraps
+from functools import wraps
 from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 import pydantic.dataclasses
@@ -146,29 +146,18 @@ def problem(reason: str, path: tuple[str | int, ...] = ()) -> PydanticCustomErro
     return PydanticCustomError("input", "{reason}", {"reason": reason, "path": path})
 
 
-def guarded(function: Callable[..., Any], *arguments: Any, path: tuple[str | int, ...] = ()) -> Any:
-    """Call ``function``, turning an :class:`InputError` into one pydantic can place."""
+def guarded(
+    function: Callable[..., Any], *arguments: Any, path: tuple[str | int, ...] = (), **named: Any
+) -> Any:
+    """Call ``function``; what it refuses becomes an error that pydantic can place, ``path`` before its own."""
     try:
-        return function(*arguments)
+        return function(*arguments, **named)
     except InputError as error:
         raise problem(error.reason, path) from error
-
-
-def placed(
-    where: str | int | tuple[str | int, ...],
-    function: Callable[..., Any],
-    *arguments: Any,
-    **named: Any,
-) -> Any:
-    """Call ``function`` and put ``where`` before the path of any problem in it."""
-    path = where if isinstance(where, tuple) else (where,)
-    try:
-        return guarded(partial(function, **named), *arguments)
     except PydanticCustomError as error:
         context = error.context or {}
-        raise problem(
-            str(context.get("reason", error)), (*path, *context.get("path", ()))
-        ) from error
+        inner = context.get("path", ())
+        raise problem(str(context.get("reason", error)), (*path, *inner)) from error
 
 
 def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) -> Model:
@@ -232,7 +221,7 @@ DOUBTED: dict[str, str] = {
     "pitch": "pitch", "free_length": "spring_length", "installed_height": "spring_length", "preload_height": "spring_length",
     "open_height": "spring_length", "solid_height": "spring_length", "precompression": "compression", "maximum_lift": "valve_lift",
     "youngs_modulus": "modulus", "shear_modulus": "modulus", "density": "density", "engine_speeds": "engine_speed",
-    "cam_speeds": "cam_speed",
+    "cam_speeds": "cam_speed", "red_line": "engine_speed",
     # fields whose key is the name of something else in Python
     "outer": "mean_diameter", "free": "spring_length", "stated_solid_height": "spring_length", "installed": "spring_length",
 }  # fmt: skip

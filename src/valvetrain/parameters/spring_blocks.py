@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, PlainValidator, ValidationInfo
 from pydantic.fields import FieldInfo
 
+from valvetrain import registry
 from valvetrain.errors import FrozenMapping, UnusualValueWarning
 from valvetrain.parameters.card import SpringCard
 from valvetrain.parameters.dual_spring import read_pair
@@ -18,13 +19,11 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import (
     Name,
     guarded,
-    placed,
     problem,
     refuse_unknown,
     validate_as,
 )
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.parameters.spring_options import options_table
 
 #: Keys of a card in a pair; how a card is installed, and a wire: the fields of its table, and the key of its part.
 PAIRED = ("loads_of", "total_coils")
@@ -71,12 +70,14 @@ def springs_of(raw: Any, name: str, group: str = "") -> tuple[InstalledSpring, .
     kinds: list[type[SpringDefinition | SpringCard]] = []
     tables: list[dict[str, Any]] = []
     for entry, path, called in zip(entries, paths, names, strict=True):
-        kind = placed(path, _kind_of, entry, f"{called} " if len(entries) == 2 else "", pair)
+        which = f"{called} " if len(entries) == 2 else ""
+        kind = guarded(_kind_of, entry, which, pair, path=path)
         kinds.append(kind)
         table = {key: value for key, value in entry.items() if key in kind.model_fields}
         tables.append({"name": called, **table} if called else table)
     parts = read_pair(tables) if pair else tuple(map(validate_as, kinds, tables, paths))
-    _refuse_too_wide(parts)
+    if len(parts) == 2:
+        _refuse_too_wide(parts)
     springs = tuple(map(_installed, parts, entries, paths, [group] * len(parts)))
     if len({spring.name for spring in springs}) < len(springs):
         raise problem(
@@ -100,7 +101,7 @@ def _refuse_too_wide(parts: tuple[SpringDefinition | SpringCard, ...]) -> None:
             return
         sizes.append((outer if outer is not None else (mean or 0.0) + wire, wire))
     inside = sizes[0][0] - 2 * sizes[0][1]
-    if len(sizes) == 2 and inside > 0 and sizes[1][0] > INTERFERENCE * inside:
+    if inside > 0 and sizes[1][0] > INTERFERENCE * inside:
         raise problem(
             f"the inner spring is {sizes[1][0] * 1e3:.4g} mm wide and does not fit into the outer one, which is {inside * 1e3:.4g} mm wide "
             "inside; check diameters and wires, and that the outer spring comes first",
@@ -115,7 +116,7 @@ def _installed(
     by_card = isinstance(part, SpringCard)
     rest = {key: one for key, one in entry.items() if key in (OF_CARD if by_card else OF_WIRE)}
     if "options" in rest:
-        rest["options"] = placed((*path, "options"), _read_options, rest["options"])
+        rest["options"] = guarded(_read_options, rest["options"], path=(*path, "options"))
     spring = validate_as(InstalledSpring, {"card" if by_card else "wire": part, **rest}, path)
     if spring.card is not None and spring.card.doubt:
         of_set = f" of set '{group}'" if group else ""
@@ -129,9 +130,9 @@ def _read_options(raw: Any) -> dict[str, dict[str, Any]]:
     if not isinstance(raw, dict):
         raise problem("a table of spring-model words is needed here, such as options.multi-mass")
     return {
-        word: validate_as(guarded(options_table, word, path=(word,)), values, (word,)).model_dump(
-            exclude_unset=True
-        )
+        word: validate_as(
+            guarded(registry.find, "springs", word, path=(word,)).options, values, (word,)
+        ).model_dump(exclude_unset=True)
         for word, values in raw.items()
     }
 
@@ -197,7 +198,7 @@ def _of_case(raw: Any, info: ValidationInfo) -> tuple[InstalledSpring, ...]:
 
 def _of_train(sets: Mapping[str, Any]) -> FrozenMapping:
     return FrozenMapping(
-        {name: placed(name, springs_of, raw, "spring", name) for name, raw in sets.items()}
+        {name: guarded(springs_of, raw, "spring", name, path=(name,)) for name, raw in sets.items()}
     )
 
 

@@ -19,14 +19,6 @@ class SpringOptions(StrictModel):
     card_only: ClassVar[tuple[str, ...]] = ()
 
 
-def options_table(word: str) -> type[SpringOptions]:
-    """The table of the spring model ``word``. Raises :class:`InputError` for an unknown word, with
-    the nearest.
-    """
-    table: type[SpringOptions] = registry.find("springs", word).options
-    return table
-
-
 def options_problem(
     options: Mapping[str, Mapping[str, Any]], by_card: bool
 ) -> tuple[str, str, str] | None:
@@ -34,8 +26,8 @@ def options_problem(
     spring; None when all fit.
     """
     for word, values in options.items():
-        table = options_table(word)
-        useless: tuple[str, ...] = getattr(table, "wire_only" if by_card else "card_only", ())
+        table: type[SpringOptions] = registry.find("springs", word).options
+        useless = table.wire_only if by_card else table.card_only
         for key in values:
             if key not in table.model_fields:
                 return (

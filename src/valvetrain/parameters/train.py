@@ -9,14 +9,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from valvetrain.errors import FrozenMapping, InputError
-from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, refuse_rubbing
+from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.schema_contact import ContactParameters, ContactsField
 from valvetrain.parameters.schema_types import (
     Lash,
     Name,
     Prose,
     Table,
-    placed,
+    guarded,
     problem,
     quantities,
     table,
@@ -124,9 +124,12 @@ class TrainParameters(Table):
             choice = choice_of(tuple(registered_names("mechanisms")))
             raise problem(f"'kind' is missing; add it: {choice}", ("kind",))
         if isinstance(raw, dict) and isinstance(raw.get("springs"), dict):
-            refuse_rubbing(
-                raw.get("rubbing"), raw["springs"].values(), ", and no set has two; remove it"
-            )
+            pairs = [one for one in raw["springs"].values() if isinstance(one, list) and one[1:]]
+            if raw.get("rubbing") and not pairs:
+                raise problem(
+                    "rubbing acts between two nested springs, and no set has two; remove it",
+                    ("rubbing",),
+                )
         return raw
 
     def __post_init__(self) -> None:
@@ -143,7 +146,7 @@ class TrainParameters(Table):
                 f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}"
             )
         sets = self.springs
-        contacts = placed("contacts", with_steel, self.contacts, self.kind, self.cam)
+        contacts = guarded(with_steel, self.contacts, self.kind, self.cam, path=("contacts",))
         object.__setattr__(self, "contacts", FrozenMapping(contacts))
         if any(
             "time_step" in one.options_of("finite-element")

@@ -284,7 +284,7 @@ def _with_error_bars(study: Study, work: _Work, at_rest: Rest, share_before: flo
     if not barred or not work.request.compute:
         return study
     labels = {run.label for run in barred}
-    members = work.problem.only(lambda member: member.label in labels)
+    members = tuple(one for one in work.problem.members if one.label in labels)
     try:
         fresh = own_error_bars(
             replace(work.problem, members=members), barred, work.plan, at_rest, work.request.worker_count,

@@ -63,7 +63,7 @@ def run_springs(
     refused: set[int] = set()
     at_rest: dict[InstalledSpring, SpringAtRest] = {}
     failed: dict[InstalledSpring, Exception] = {}
-    needed = problem.members if rest else problem.only(lambda member: member.model.needs_rest)
+    needed = tuple(member for member in problem.members if rest or member.model.needs_rest)
 
     def tell(text: str) -> None:
         if progress is not None:

@@ -69,7 +69,8 @@ def static_study(request: Static | Modes, watch: Watch = Watch()) -> Study:
     in_use = "" if case.train is None else case.train.spring_set
     springs = [
         spring
-        for member in problem.only(lambda member: member.spring_set == in_use)
+        for member in problem.members
+        if member.spring_set == in_use
         for spring in member.springs
     ]
     for installed in dict.fromkeys((*springs, *problem.springs)):

@@ -87,9 +87,6 @@ class ChannelArrays:
         chosen = {name: one for name, one in self.coords.items() if set(one.dims) <= dims}
         return ChannelArrays(variables, chosen, self.attributes)
 
-    def __getitem__(self, name: str) -> Variable:
-        return self.variables[name]
-
     def assign(self, added: Mapping[str, Variable]) -> ChannelArrays:
         """A copy with ``added`` channels."""
         return ChannelArrays({**self.variables, **added}, self.coords, self.attributes)
@@ -159,26 +156,22 @@ class DatasetField:
 
     def __set__(self, owner: Any, channels: xarray.Dataset | ChannelArrays) -> None:
         arrays = arrays_of(channels)
-        _check(arrays)
-        owner.__dict__["_arrays"] = arrays
-
-
-def _check(arrays: ChannelArrays) -> None:
-    for name in ("time", "cam_angle"):
-        if name not in arrays.coords or arrays.coords[name].dims != ("sample",):
-            raise InputError(
-                f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it"
-            )
-    for label, variable in arrays.variables.items():
-        if not variable.dims or variable.dims[0] != "sample":
-            raise InputError(
-                f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {variable.dims}"
-            )
-        for key in ("units", "long_name"):
-            if key not in variable.attrs:
+        for name in ("time", "cam_angle"):
+            if name not in arrays.coords or arrays.coords[name].dims != ("sample",):
                 raise InputError(
-                    f"channel '{label}' of a solution lacks the attribute '{key}'; give it"
+                    f"a solution needs the coordinate '{name}' along its dimension 'sample'; add it"
                 )
+        for label, variable in arrays.variables.items():
+            if variable.dims[:1] != ("sample",):
+                raise InputError(
+                    f"channel '{label}' of a solution must have 'sample' as its first dimension; it has {variable.dims}"
+                )
+            for key in ("units", "long_name"):
+                if key not in variable.attrs:
+                    raise InputError(
+                        f"channel '{label}' of a solution lacks the attribute '{key}'; give it"
+                    )
+        owner.__dict__["_arrays"] = arrays
 
 
 #: channel -> (dimension after ``sample`` or None, SI unit, label)

@@ -51,13 +51,6 @@ def unit_of(name: str) -> str:
     return definition_of(name).si_unit
 
 
-def named(
-    values: Mapping[str, float], engine_speed: float | None, label: str
-) -> dict[Quantity, float]:
-    """Values of one run by :class:`Quantity`."""
-    return {Quantity(name, engine_speed, label): value for name, value in values.items()}
-
-
 class Quantities(Mapping[Quantity, float]):
     """Read-only mapping of :class:`Quantity` to SI values; a plain name is a key where it is
     unique: ``quantities["preload"]``.

@@ -166,16 +166,11 @@ class PartialFailures:
     """
 
     def __init__(self, known: Iterable[str] = ()) -> None:
-        self._sentences = list(known)
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """What failed, and why."""
-        return tuple(dict.fromkeys(self._sentences))
+        self.sentences = tuple(known)
 
     def add(self, sentence: str) -> None:
-        """Add the sentence of a failure."""
-        self._sentences.append(sentence)
+        """Add the sentence of a failure, once."""
+        self.sentences = tuple(dict.fromkeys((*self.sentences, sentence)))
 
     def part(
         self, name: str, instead: Part, build: Callable[P, Part], /, *args: P.args, **more: P.kwargs

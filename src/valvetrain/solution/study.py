@@ -20,7 +20,6 @@ from valvetrain.solution.quantity import (
     Quantities,
     Quantity,
     known_speed,
-    named,
     same_speed,
 )
 from valvetrain.solution.result import Solution
@@ -163,12 +162,15 @@ class Study(Reported):
     @property
     def quantities(self) -> Quantities:
         """All named numbers (SI): those of every run, and those that belong to none."""
-        found: dict[Quantity, float] = {}
-        for label, values in self.still.items():
-            found |= named(values, None, label)
-        for solution in self.solutions:
-            found |= named(solution.quantities, solution.engine_speed, solution.label)
-        return Quantities(found)
+        of_runs = [(run.label, run.engine_speed, run.quantities) for run in self.solutions]
+        at_rest = [(label, None, values) for label, values in self.still.items()]
+        return Quantities(
+            {
+                Quantity(name, speed, label): value
+                for label, speed, values in (*at_rest, *of_runs)
+                for name, value in values.items()
+            }
+        )
 
     def solution(self, label: str = "", engine_speed: Given | None = None) -> Solution:
         """The run of ``label`` at ``engine_speed`` (rad/s, "5600 rpm" or a pint quantity), both

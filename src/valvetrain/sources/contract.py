@@ -167,7 +167,9 @@ class SourceStudy:
         self, cycle: Cycle, event: LiftEvent | None, surge_frequency: float | None, **coils: float
     ) -> Reader:
         """What takes its readings of a cycle; ``surge_frequency`` in Hz, ``coils`` of points that the case moves."""
-        return Reader(cycle, event, surge_frequency, {**self.points, **coils}, self.sampling)
+        speed = cycle.solution.engine_speed / 2
+        period = speed / surge_frequency if surge_frequency else None
+        return Reader(cycle, event, period, {**self.points, **coils}, self.sampling)
 
     def quantities(self, solution: Solution, frame: Frame) -> dict[str, float]:
         """Numbers of a run (SI) by the names of the study; what the run does not cover is absent."""
@@ -178,15 +180,14 @@ class SourceStudy:
         reader = self.reader(cycle, frame.lift_event, frame.surge_frequency, **coils)
         return reader.read(self.readings)
 
-    def by_phase(self, study: Study) -> dict[Quantity, Array]:
+    def by_phase(self, study: Study, surge_frequency: float | None) -> dict[Quantity, Array]:
         """Numbers of the runs that are compared, once for each phase of the samples that it stored."""
         found = dict[Quantity, Array]()
         sampled = [one for one in self.readings if one.sampled or one.kind == "difference"]
         labels = {origin.run for origin in self.origins.values()} if sampled else set()
-        surge = study.quantities.get(Quantity("mode_1_frequency"))
         for run in study.solutions:
             if run.label in labels and len(run.time) > 2:
-                reader = self.reader(reported_cycle(run), study.lift_event, surge)
+                reader = self.reader(reported_cycle(run), study.lift_event, surge_frequency)
                 reader.read(sampled)
                 for name, values in reader.phases.items():
                     found[Quantity(name, run.engine_speed, run.label)] = values
@@ -235,17 +236,18 @@ def against_source(study: Study) -> Study:
     source: SourceStudy = (
         registry.find("sources", record.study) if record.study else SourceStudy("")
     )
-    quantities = Quantities({**study.quantities, **source.of_runs(study)})
+    quantities = dict(study.quantities.items()) | source.of_runs(study)
+    surge_frequency = quantities.get(Quantity("mode_1_frequency"))
     runs = {name: origin.run for name, origin in source.origins.items()}
     findings = filter(None, (claim.finding(study) for claim in source.claims))
     return replace(
         study,
         comparisons=compare(
             record.published,
-            quantities,
+            Quantities(quantities),
             runs if record.study else None,
             source.counted,
-            source.by_phase(study),
+            source.by_phase(study, surge_frequency),
         ),
         findings=(*study.findings, *findings),
     )

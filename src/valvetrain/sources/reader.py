@@ -56,23 +56,17 @@ class Sampling:
 class Reader:
     """Readings of one cycle: ``found``, and in ``phases`` those of samples, one value for each phase.
 
-    ``event``: the main lift event; ``surge_frequency`` (Hz) of the first mode; ``coils``: coil number by
-    point.
+    ``event``: the main lift event; ``period``: cam angle (rad) of one period of the first mode, None where its
+    frequency is not known; ``coils``: coil number by point.
     """
 
     cycle: Cycle
     event: LiftEvent | None = None
-    surge_frequency: float | None = None
+    period: float | None = None
     coils: Mapping[str, float] = field(default_factory=dict)
     sampling: Sampling | None = None
     found: Numbers = field(default_factory=dict)
     phases: dict[str, Array] = field(default_factory=dict)
-
-    @property
-    def period(self) -> float | None:
-        """Cam angle (rad) of one period of the first mode; None where its frequency is not known."""
-        speed, frequency = self.cycle.solution.engine_speed / 2, self.surge_frequency
-        return speed / frequency if frequency else None
 
     @property
     def separation(self) -> float:
@@ -82,10 +76,16 @@ class Reader:
     def read(self, readings: Iterable[Reading]) -> Numbers:
         """Every quantity that the cycle covers, those of samples first."""
         covered = [one for one in readings if not one.runs and self._covers(one)]
-        for one in covered:
-            if one.sampled:
-                self.found.update(self._take(one))
-        self._over_phases([one for one in covered if one.sampled])
+        numbers: dict[str, list[float]] = {}
+        for one in (each for each in covered if each.sampled):
+            self.found.update(self._take(one))
+            for angle, values in zip(*self.sampled(one.channel), strict=True):
+                view = self.view(replace(self.cycle, cam_angle=angle), values, one)
+                for name, number in KINDS[one.kind](view, one).items():
+                    numbers.setdefault(name, []).append(number)
+        count = max(map(len, numbers.values()), default=0)  # of those that every phase has
+        whole = {name: np.array(some) for name, some in numbers.items() if len(some) == count}
+        self.phases.update(whole)
         for name, values in self.phases.items():
             # an angle between two collisions would be that of neither
             angle = name.endswith("_angle")
@@ -112,18 +112,6 @@ class Reader:
         if values is None or not np.all(np.isfinite(values)):
             return {}
         return KINDS[reading.kind](self.view(self.cycle, values, reading), reading)
-
-    def _over_phases(self, readings: Sequence[Reading]) -> None:
-        """The numbers of ``readings`` at each phase of the samples, of those that every phase has."""
-        numbers: dict[str, list[float]] = {}
-        for one in readings:
-            for angle, values in zip(*self.sampled(one.channel), strict=True):
-                view = self.view(replace(self.cycle, cam_angle=angle), values, one)
-                for name, number in KINDS[one.kind](view, one).items():
-                    numbers.setdefault(name, []).append(number)
-        count = max(map(len, numbers.values()), default=0)
-        whole = {name: np.array(some) for name, some in numbers.items() if len(some) == count}
-        self.phases.update(whole)
 
     def view(self, cycle: Cycle, values: Array, reading: Reading) -> View:
         """What a reading sees of values (sample,) over a cycle."""
@@ -228,7 +216,7 @@ def spike_shape(reader: Reader, reading: Reading) -> Numbers:
         return {}
     view = reader.view(replace(reader.cycle, cam_angle=grid.T.ravel()), values.T.ravel(), reading)
     top = spike_index(view, reading)
-    shape = half_height(view.cam_angle, view.values, top, reader.separation)
+    shape = half_height(view.cycle.cam_angle, view.values, top, reader.separation)
     turned, passed = np.ptp(reader.cycle.cam_angle), np.ptp(reader.cycle.time)
     return {
         name: float(one * passed / turned) for name, one in zip(reading.names, shape, strict=True)

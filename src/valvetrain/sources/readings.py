@@ -103,11 +103,6 @@ class View:
         """Values within the window."""
         return self.values[self.inside]
 
-    @property
-    def cam_angle(self) -> Array:
-        """Cam angles (rad) of all samples."""
-        return self.cycle.cam_angle
-
 
 def extreme(view: View, reading: Reading) -> Numbers:
     """The largest or smallest value of the window, the largest size, or the range of all."""
@@ -115,12 +110,12 @@ def extreme(view: View, reading: Reading) -> Numbers:
     if reading.pick == "range":
         return {reading.names[0]: float(np.ptp(part))}
     place = int(np.argmin(part) if reading.pick == "smallest" else np.argmax(part))
-    return reading.number(0, part[place], view.cam_angle[view.inside[place]])
+    return reading.number(0, part[place], view.cycle.cam_angle[view.inside[place]])
 
 
 def end_value(view: View, reading: Reading) -> Numbers:
     """The value at the end of the window."""
-    return reading.number(0, np.interp(view.end, view.cam_angle, view.values), view.end)
+    return reading.number(0, np.interp(view.end, view.cycle.cam_angle, view.values), view.end)
 
 
 def numbered_peaks(view: View, reading: Reading) -> Numbers:
@@ -129,7 +124,7 @@ def numbered_peaks(view: View, reading: Reading) -> Numbers:
     whole, count = view.cycle.whole, len(view.values)
     twice = np.concatenate((view.values, view.values)) if whole else view.values
     peaks = prominent_peaks(twice, max(reading.share * float(np.ptp(view.part)), 1e-12))
-    angles = view.cam_angle[np.intersect1d(peaks % count, view.inside)]
+    angles = view.cycle.cam_angle[np.intersect1d(peaks % count, view.inside)]
     return numbered(reading.names[0], angles)
 
 
@@ -149,7 +144,7 @@ def two_maxima(view: View, reading: Reading) -> Numbers:
     height is the extreme sample within reach.
     """
     try:
-        time = view.cam_angle / (view.cycle.solution.engine_speed / 2)
+        time = view.cycle.cam_angle / (view.cycle.solution.engine_speed / 2)
         slow = low_pass(time, view.values, reading.smooth, closed=view.cycle.whole)[view.inside]
     except (InputError, ZeroDivisionError):
         return {}
@@ -160,7 +155,7 @@ def two_maxima(view: View, reading: Reading) -> Numbers:
         return {}
     first, second = sorted(peaks[np.argsort(-prominences(slow, peaks))[:2]].tolist())
     valley = first + int(np.argmin(slow[first : second + 1]))
-    found, angle = Numbers(), view.cam_angle[view.inside]
+    found, angle = Numbers(), view.cycle.cam_angle[view.inside]
     for place, index in enumerate((first, valley, second)):
         near = view.part[np.abs(angle - angle[index]) <= reading.reach + 1e-9]
         height = np.min(near) if index == valley else np.max(near)
@@ -181,25 +176,25 @@ def spike_index(view: View, reading: Reading) -> int:
 def spike(view: View, reading: Reading) -> Numbers:
     """The spike of the window, and the cam angle of the highest spike of a later collision."""
     top = spike_index(view, reading)
-    found = reading.number(0, view.values[top], view.cam_angle[top])
-    first = float(view.cam_angle[top]) + view.separation
-    later = view.inside[view.cam_angle[view.inside] >= first - 1e-9]
+    found = reading.number(0, view.values[top], view.cycle.cam_angle[top])
+    first = float(view.cycle.cam_angle[top]) + view.separation
+    later = view.inside[view.cycle.cam_angle[view.inside] >= first - 1e-9]
     if len(reading.names) < 2 or len(later) < 3:
         return found
     part = view.values[later]
     rise = reading.later_share * float(view.values[top] - np.median(part))
     peaks = prominent_peaks(part, max(rise, 1e-12))
     if len(peaks):
-        found[reading.names[1]] = float(view.cam_angle[later[peaks[np.argmax(part[peaks])]]])
+        found[reading.names[1]] = float(view.cycle.cam_angle[later[peaks[np.argmax(part[peaks])]]])
     return found
 
 
 def separate_peaks(view: View, reading: Reading) -> Numbers:
     """The values of largest size, signed, each of another collision; as many as there are names."""
-    spikes = separate_spikes(view.cam_angle, np.abs(view.values), view.separation, 0.0)
+    spikes = separate_spikes(view.cycle.cam_angle, np.abs(view.values), view.separation, 0.0)
     found = Numbers()
     for place, index in zip(range(len(reading.names)), spikes, strict=False):
-        found |= reading.number(place, view.values[index], view.cam_angle[index])
+        found |= reading.number(place, view.values[index], view.cycle.cam_angle[index])
     return found
 
 
@@ -211,7 +206,7 @@ def rebound(view: View, reading: Reading) -> Numbers:
         return {}
     highest = lowest + int(falling[0])
     late, time = view.values[highest:], view.cycle.time
-    found = reading.number(0, view.values[highest], view.cam_angle[highest])
+    found = reading.number(0, view.values[highest], view.cycle.cam_angle[highest])
     rest = (time[highest] - time[lowest], np.min(late), np.max(late))
     return found | dict(zip(reading.names[1:], map(float, rest), strict=True))
 

@@ -16,14 +16,14 @@ from valvetrain.parameters.curves import (
     PiecewiseLinear,
     pitch_with_closed_turns,
 )
-from valvetrain.parameters.material import Material, material_by_name
+from valvetrain.parameters.material import MATERIALS, Material
 from valvetrain.parameters.schema_types import Mass, Table, problem, quantity, table
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.winding import TEXTBOOK_TURNS, EndCoil
 from valvetrain.units import Given, keep_si
 
 #: Wire of a card that names no material.
-DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
+DEFAULT_MATERIAL = MATERIALS["EN 10270-2 VDSiCr"]
 #: Inactive turns at either end where the card does not give how many turns there are, ground turns
 #: where no solid height is given.
 INACTIVE, GROUND = TEXTBOOK_TURNS["closed-ground"]

@@ -85,12 +85,38 @@ def build(
     ['massless', 'multi-mass']
     """
     case = case_of(case)
+    sets, named = as_names(spring_set), model_names(spring_models) if spring_models else ()
     try:
-        return _built(case, spring_models, as_names(spring_set))
+        law = lift_law_of(case)
+        specs = tuple(spring_model(word, "models") for word in dict.fromkeys(named))
+        if case.train is not None:
+            members = _train_members(case, case.train, law, specs, sets)
+        elif sets:
+            raise InputError(
+                f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
+                "spring_set",
+            )
+        else:
+            members = _spring_members(case, law, specs)
+        event = find_lift_event(law if case.lift_law is not None else None, case.lift_law)
     except (ArithmeticError, ValueError) as error:  # numbers at which the parts' formulas end
         raise InputError(
             f"the parts of case '{case.name}' cannot be built ({error}); check its numbers and their units"
         ) from error
+    operation = case.operation
+    label_cut_off(operation.force_bandwidth)
+    return Problem(
+        case.record(),
+        members,
+        law,
+        event,
+        operation.engine_speeds,
+        operation.cycles,
+        operation.output_step,
+        operation.force_bandwidth,
+        case.train.cycles if case.train is not None else None,
+        case.lift_law is not None,
+    )
 
 
 def lift_law_of(case: Case) -> LiftLaw:
@@ -133,38 +159,6 @@ def _is_text_of(text: str, case: Case) -> bool:
         return not case.changed and parse_case(text).lift_law == case.lift_law
     except InputError:
         return False
-
-
-def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str]) -> Problem:
-    law = lift_law_of(case)
-    named = model_names(spring_models) if spring_models else ()
-    specs = tuple(spring_model(word, "models") for word in dict.fromkeys(named))
-    if case.train is not None:
-        members = _train_members(case, case.train, law, specs, tuple(dict.fromkeys(spring_sets)))
-    elif spring_sets:
-        raise InputError(
-            f"case '{case.name}' is a spring alone and has no spring sets; leave them out",
-            "spring_set",
-        )
-    else:
-        members = _spring_members(case, law, specs)
-    label_cut_off(case.operation.force_bandwidth)
-    operation, event = (
-        case.operation,
-        find_lift_event(law if case.lift_law is not None else None, case.lift_law),
-    )
-    return Problem(
-        case.record(),
-        members,
-        law,
-        event,
-        operation.engine_speeds,
-        operation.cycles,
-        operation.output_step,
-        operation.force_bandwidth,
-        case.train.cycles if case.train is not None else None,
-        case.lift_law is not None,
-    )
 
 
 def _spring_members(

@@ -5,6 +5,7 @@ of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +28,8 @@ class DrivenSprings:
     One way: the train does not feel how the springs differ from those that it ran with.
     """
 
+    kind: ClassVar[str] = TRAIN
+
     train: TrainSystem
     springs: tuple[SpringModel, ...]
     driver: str
@@ -34,10 +37,6 @@ class DrivenSprings:
     @property
     def name(self) -> str:
         return self.train.name
-
-    @property
-    def kind(self) -> str:
-        return TRAIN
 
     @property
     def spring_names(self) -> tuple[str, ...]:

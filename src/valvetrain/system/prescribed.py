@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,8 @@ class PrescribedSpring:
     from the installed position.
     """
 
+    kind: ClassVar[str] = PRESCRIBED
+
     springs: tuple[SpringModel, ...]
     valve_lift: LiftLaw
     name: str = ""
@@ -37,10 +40,6 @@ class PrescribedSpring:
             raise InputError(
                 f"a valve carries one or two springs (outer, inner); {len(self.springs)} are given"
             )
-
-    @property
-    def kind(self) -> str:
-        return PRESCRIBED
 
     @property
     def spring_names(self) -> tuple[str, ...]:

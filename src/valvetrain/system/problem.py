@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -168,10 +168,6 @@ class Problem:
         """
         found = tuple(_settled(member, self.built) for member in self.members)
         return self if found == self.members else replace(self, members=found)
-
-    def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
-        """Members for which ``keep`` is true."""
-        return tuple(member for member in self.members if keep(member))
 
     def model_of(
         self, word: str, spring: InstalledSpring, rest: SpringAtRest | None = None

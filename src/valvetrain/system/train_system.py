@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -69,6 +69,8 @@ class TrainSystem:
     angle, or None. ``crank``: slider that the valve must clear.
     """
 
+    kind: ClassVar[str] = TRAIN
+
     mechanism: AssembledMechanism
     springs: tuple[SpringModel, ...] = ()
     gas: Array | None = None
@@ -80,10 +82,6 @@ class TrainSystem:
             raise InputError(
                 f"a valve carries at most two springs (outer, inner); {len(self.springs)} are given"
             )
-
-    @property
-    def kind(self) -> str:
-        return TRAIN
 
     @property
     def has_large_springs(self) -> bool:

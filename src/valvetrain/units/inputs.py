@@ -109,15 +109,15 @@ def si(value: Given, quantity: str, where: str = "") -> float:
     dimension = window.dimension if window else quantity
     if isinstance(value, str):
         number, unit = split_quantity(value, dimension, where)
-        found, bare = parse_quantity(value, dimension, where), False
+        found, bare = to_si(number, unit, dimension, value, where), False
     elif hasattr(value, "to_base_units"):
         number, unit = _base_magnitude(value, where)
-        found, bare = to_si(number, unit, dimension, f"'{clipped(str(value))}'", where), False
+        found, bare = to_si(number, unit, dimension, value, where), False
     else:
         number = found = _plain(value, dimension, where)
         unit, bare = DIMENSIONS[dimension].si_unit, True
-    if window and found > 0:
-        _doubt(quantity, window, found, f"{number:.6g} {unit}".strip(), number, bare, where)
+    if window and not _BELIEVED.get():
+        doubt(found, quantity, f"{number:.6g} {unit}".strip(), bare, where)
     return found
 
 
@@ -135,7 +135,7 @@ def believed() -> Iterator[None]:
 
 
 def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") -> None:
-    """Doubt a ``value`` (SI) that was read elsewhere, as :func:`si` does.
+    """Doubt a positive ``value`` (SI) beyond its window: refuse one without a unit, warn of one with its unit.
 
     Parameters
     ----------
@@ -153,8 +153,42 @@ def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") 
     --------
     >>> doubt(30e3, "spring_rate", "30 N/mm", False)
     """
-    if value > 0:
-        _doubt(quantity, PLAUSIBLE[quantity], value, shown, value, bare, where, force=True)
+    window = PLAUSIBLE[quantity]
+    high = min(window.high, window.bare_high if bare else math.inf)
+    if value <= 0 or (window.low <= value * (1 + 1e-12) and value <= high * (1 + 1e-12)):
+        return
+    label, in_default_unit = quantity.replace("_", " "), format_quantity(value, window.default_unit)
+    low_text, high_text = (
+        format_quantity(end, window.default_unit) for end in (window.low, window.high)
+    )
+    if not bare:
+        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is typical) and taken as written; check number and unit"
+        warnings.warn(
+            f"{where}: {sentence}" if where else sentence, UnusualValueWarning, stacklevel=2
+        )
+        return
+    if window.low <= value <= window.high:
+        remedy = (
+            f"did you mean '{value:g} {window.default_unit}'? If not, write '{in_default_unit}'"
+        )
+        raise InputError(
+            f"{value:g} without a unit is {shown}, {label} {in_default_unit}; {remedy}", where
+        )
+    factors = ((unit, value * unit_factor(unit)) for unit in _MEANT[window.dimension])
+    meant = next(
+        ((unit, likely) for unit, likely in factors if window.low <= likely <= window.high), None
+    )
+    if meant is None:
+        value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
+        raise InputError(
+            f"{value_text} of {label} is outside {low_text} to {high_text}; check the number and its unit",
+            where,
+        )
+    unit, likely = meant
+    raise InputError(
+        f"{shown} of {label} can only be meant as {value:g} {unit}; write {likely:.6g} or '{value:g} {unit}'",
+        where,
+    )
 
 
 def si_each(values: str | Iterable[Given], quantity: str, where: str = "") -> tuple[float, ...]:
@@ -336,55 +370,3 @@ def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
         raise InputError(f"'{clipped(str(value))}' is no single number; give one value", where)
     unit = str(base.units).replace("dimensionless", "")
     return float(base.magnitude), " ".join(unit.split())
-
-
-def _doubt(
-    quantity: str,
-    window: Window,
-    found: float,
-    shown: str,
-    number: float,
-    bare: bool,
-    where: str,
-    force: bool = False,
-) -> None:
-    """Refuse a bare number out of its window, warn of one with its unit; ``force``: within
-    :func:`believed` too.
-    """
-    high = min(window.high, window.bare_high if bare else math.inf)
-    if window.low <= found * (1 + 1e-12) and found <= high * (1 + 1e-12):
-        return
-    if _BELIEVED.get() and not force:
-        return
-    label, in_default_unit = quantity.replace("_", " "), format_quantity(found, window.default_unit)
-    low_text, high_text = (
-        format_quantity(end, window.default_unit) for end in (window.low, window.high)
-    )
-    if not bare:
-        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is typical) and taken as written; check number and unit"
-        warnings.warn(
-            f"{where}: {sentence}" if where else sentence, UnusualValueWarning, stacklevel=2
-        )
-        return
-    if window.low <= found <= window.high:
-        remedy = (
-            f"did you mean '{number:g} {window.default_unit}'? If not, write '{in_default_unit}'"
-        )
-        raise InputError(
-            f"{number:g} without a unit is {shown}, {label} {in_default_unit}; {remedy}", where
-        )
-    factors = ((unit, number * unit_factor(unit)) for unit in _MEANT[window.dimension])
-    meant = next(
-        ((unit, value) for unit, value in factors if window.low <= value <= window.high), None
-    )
-    if meant is None:
-        value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
-        raise InputError(
-            f"{value_text} of {label} is outside {low_text} to {high_text}; check the number and its unit",
-            where,
-        )
-    unit, value = meant
-    raise InputError(
-        f"{shown} of {label} can only be meant as {number:g} {unit}; write {value:.6g} or '{number:g} {unit}'",
-        where,
-    )

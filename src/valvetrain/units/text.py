@@ -169,7 +169,7 @@ def parse_quantity(text: object, dimension: str | None, where: str = "") -> floa
     unit is due, a wrong dimension, an unknown unit and what is no finite number.
     """
     value, unit = split_quantity(text, dimension, where)
-    return to_si(value, unit, dimension, f"'{clipped(str(text))}'", where)
+    return to_si(value, unit, dimension, text, where)
 
 
 def parse_quantities(text: object, dimension: str | None, where: str = "") -> tuple[float, ...]:
@@ -190,9 +190,8 @@ def parse_quantities(text: object, dimension: str | None, where: str = "") -> tu
                 f"'{clipped(head)}' is no plain number; write the numbers, then one unit, as in '0, 1.5, 3 mm'",
                 where,
             )
-    shown = f"'{clipped(text)}'"
     return tuple(
-        to_si(number, unit, dimension, shown, where) for number in [*map(float, heads), value]
+        to_si(number, unit, dimension, text, where) for number in [*map(float, heads), value]
     )
 
 
@@ -211,7 +210,7 @@ def numbers_of(*values: Any, dimension: str | None = None) -> tuple[tuple[float,
         if isinstance(value, str):
             number, unit = split_quantity(value, dimension, "")
             dimension = dimension or dimension_of(unit)
-            found.append(to_si(number, unit, dimension, f"'{clipped(value)}'", ""))
+            found.append(to_si(number, unit, dimension, value, ""))
         else:
             try:
                 found.append(float(value))
@@ -299,14 +298,12 @@ def _like_inches(number: str, dimension: str | None) -> bool:
         return False
 
 
-def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str) -> float:
-    """``value`` in ``unit`` as SI; ``shown`` is how the message names it, else as
-    :func:`parse_quantity`.
-    """
+def to_si(value: float, unit: str, dimension: str | None, text: object, where: str) -> float:
+    """``value`` in ``unit`` as SI; ``text`` is how it was written, else as :func:`parse_quantity`."""
     try:
         factor, powers = _resolve(unit)
     except InputError as error:
-        raise InputError(f"{error.reason} (in {shown})", where) from error
+        raise InputError(f"{error.reason} (in '{clipped(str(text))}')", where) from error
     if dimension is not None:
         due = DIMENSIONS.get(dimension)
         if _resolve(due.si_unit if due else dimension)[1] != powers:
@@ -323,8 +320,11 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
                 example = f"write '{value:.12g} {force}' if the card means pounds of force"
             elif force and is_what == "something else":
                 is_what = "by pounds or kilograms of mass"
-            raise InputError(f"{shown} is {is_what}, but {phrase} is needed here, {example}", where)
-    return finite(value * factor, shown, where)
+            shown = clipped(str(text))
+            raise InputError(
+                f"'{shown}' is {is_what}, but {phrase} is needed here, {example}", where
+            )
+    return finite(value * factor, text, where)
 
 
 def finite(value: float, shown: object, where: str) -> float:

@@ -166,7 +166,7 @@ def study_json(study: Study) -> dict[str, Any]:
         "cite": list(
             dict.fromkeys(
                 sum(
-                    (run.cite() for run in study.solutions),
+                    (run.provenance.citations for run in study.solutions),
                     (*study.record.citations, *study.provenance.citations),
                 )
             )

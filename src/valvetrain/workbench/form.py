@@ -20,7 +20,6 @@ from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_contact import STEEL, ContactParameters, ContactTable
 from valvetrain.parameters.schema_types import StrictModel, Table
 from valvetrain.parameters.spring_blocks import fields_of
-from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.winding import EndCoil
 from valvetrain.springs.spec import spring_model
 from valvetrain.workbench.form_fields import Field, field_of, parts_of, words_of
@@ -159,7 +158,7 @@ class CaseForm:
         shown = SHOWN_OPTIONS[:-1] if by_card else SHOWN_OPTIONS
         for word in dict.fromkeys((*given, *shown)):
             if word in registry.names("springs"):
-                table = options_table(word)
+                table = registry.find("springs", word).options
                 title = f"{whose}{spring_model(word).label}"
                 useless = table.wire_only if by_card else table.card_only
                 self._add(f"{key}.{word}", title, table.model_fields, given.get(word), useless)
