@@ -9,8 +9,8 @@ import math
 import pytest
 
 import valvetrain as vt
+from fact_parts import with_code
 from valvetrain.explore.new_command import write_template
-from valvetrain.solution.status import with_code
 
 INCH, POUND = 25.4e-3, 4.4482216152605
 RATE, PRELOAD = 220 * POUND / (0.55 * INCH), 130 * POUND

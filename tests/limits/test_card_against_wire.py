@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 import valvetrain as vt
-from valvetrain.solution.status import with_code
+from fact_parts import with_code
 from valvetrain.spring_card import CatalogueCard, SpringLoad, spring_from_card
 from valvetrain.springs.equivalent import EquivalentSpring
 

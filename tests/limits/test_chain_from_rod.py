@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from fact_parts import with_code
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.explore.outputs import Run
-from valvetrain.solution.status import with_code
 from valvetrain.springs import chain_from_rod
 from valvetrain.springs.finite_element import equilibrium_at
 from valvetrain.springs.multi_mass import MultiMassSpring

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from fact_parts import with_code
 from valvetrain.errors import InputError
-from valvetrain.solution.status import with_code
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.build import build
 

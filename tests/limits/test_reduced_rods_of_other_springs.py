@@ -8,7 +8,7 @@ from validation.against_rod import difference_from_rods
 from validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
 
 import valvetrain as vt
-from valvetrain.solution.status import with_code
+from fact_parts import with_code
 
 
 def test_a_spike_that_is_too_high_is_said():

@@ -7,6 +7,7 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
+from fact_parts import with_code
 from valvetrain.errors import InputError
 from valvetrain.integrate import solid_store
 from valvetrain.integrate.contract import Cycles, RunOptions
@@ -14,7 +15,6 @@ from valvetrain.integrate.run import run
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.runs.api import simulate
-from valvetrain.solution.status import with_code
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.views.motion.project import motion_data

@@ -7,6 +7,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
+from fact_parts import with_code
 from valvetrain.errors import InputError
 from valvetrain.integrate import solid_store
 from valvetrain.integrate.solid_in_train import motion_of
@@ -16,7 +17,6 @@ from valvetrain.runs import own_error_bars
 from valvetrain.runs.api import simulate
 from valvetrain.runs.run_up import run_up
 from valvetrain.runs.train_runs import train_modes
-from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 from valvetrain.system.driven import DrivenSprings, RecordedMotion
 

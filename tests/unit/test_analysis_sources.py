@@ -30,7 +30,8 @@ from valvetrain.sources.contract import (
     read_source,
 )
 from valvetrain.sources.reader import MORE_KINDS
-from valvetrain.sources.readings import KINDS, angle_of
+from valvetrain.sources.readings import KINDS
+from valvetrain.sources.rows import angle_of
 
 SPEED = 2 * CAM_SPEED
 CHANNELS = ("coil_contact_force",)

@@ -11,6 +11,7 @@ from collections import OrderedDict
 import pytest
 
 import valvetrain as vt
+from fact_parts import with_code
 from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
@@ -18,7 +19,6 @@ from valvetrain.explore.outputs import Run
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.solution.status import with_code
 from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.build import build

@@ -11,13 +11,13 @@ import warnings
 import pytest
 
 import valvetrain as vt
+from fact_parts import with_code
 from unit.cli_parts import call
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.cost import RunRequest, planned
-from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 
 SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'

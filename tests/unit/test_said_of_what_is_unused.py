@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from fact_parts import with_code
 from spring_shapes import cylindrical
 from valvetrain.errors import InputError
 from valvetrain.parameters.case_changes import changed_case
@@ -13,7 +14,6 @@ from valvetrain.parameters.installed_spring import DampingParameters, Guide, Ins
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.api import static_curve
 from valvetrain.runs.facts import case_facts
-from valvetrain.solution.status import with_code
 from valvetrain.system.build import build
 
 PAIR = """

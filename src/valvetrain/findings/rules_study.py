@@ -19,7 +19,7 @@ from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, spee
 from valvetrain.quantities.loss_cause import FLIGHT
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import with_code
+from valvetrain.solution.study import INTERRUPTED
 
 #: Status -> what a run did.
 ENDED = {
@@ -73,7 +73,9 @@ def pulls(facts: Facts) -> Hits:
 
 def too_hard(facts: Facts) -> Hits:
     """The forces of a reduced rod are further from those of its rod than it is made for, as its error bars show."""
-    for one in with_code(facts.study.error_bars.facts, "too-hard"):
+    for one in facts.study.error_bars.facts:
+        if one.code != "too-hard":
+            continue
         share = max(float(one.fields["peak_share"]), float(one.fields["minimum_share"]))
         speed = speed_text(float(one.fields["engine_speed"]))
         yield Hit(fields={"speed": speed, "share": f"{100 * share:.0f} %"}, severity=share)
@@ -90,8 +92,9 @@ def unsure(facts: Facts) -> Hits:
 
 def stopped(facts: Facts) -> Hits:
     """The study was stopped before its end, so that what is missing judges nothing."""
-    if facts.study.interruption:
-        yield Hit(fields={"said": facts.study.interruption})
+    for one in facts.study.gaps:
+        if one.startswith(INTERRUPTED):
+            yield Hit(fields={"said": one})
 
 
 def missing(facts: Facts) -> Hits:

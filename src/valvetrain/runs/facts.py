@@ -17,7 +17,7 @@ from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.runs.train_runs import train_point
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Detail, Fact, distinct
+from valvetrain.solution.status import Detail, Fact
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 from valvetrain.system.train_system import TrainSystem
@@ -59,7 +59,7 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
             found += _spring_facts(member, spring)
     if problem.kind == TRAIN:
         found += _buckling(problem, members)
-    return distinct(found)
+    return tuple(one for place, one in enumerate(found) if one not in found[:place])
 
 
 def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:

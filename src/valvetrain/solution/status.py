@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple, ParamSpec, TypeVar
@@ -135,28 +135,15 @@ class Fact(NamedTuple):
     fields: Mapping[str, Detail] = {}
 
 
-def with_code(facts: Iterable[Fact], code: str) -> tuple[Fact, ...]:
-    """The facts of one code, such as ``assumed-ramp``."""
-    return tuple(one for one in facts if one.code == code)
-
-
-def distinct(facts: Iterable[Fact]) -> tuple[Fact, ...]:
-    """The facts, each once, in their order."""
-    found: list[Fact] = []
-    for one in facts:
-        if one not in found:
-            found.append(one)
-    return tuple(found)
-
-
 P = ParamSpec("P")
 Part = TypeVar("Part")
 #: Environment variable that lets unexpected errors pass with their traceback.
 TRACEBACK_VARIABLE = "VALVETRAIN_TRACEBACK"
 
 
+@dataclass
 class PartialFailures:
-    """Collects a sentence per part that failed.
+    """Collects a sentence per part that failed, and why, each once.
 
     >>> failures = PartialFailures()
     >>> failures.part("share of closed coils", {}, lambda: {"share": 1 / 0})
@@ -165,11 +152,10 @@ class PartialFailures:
     ('share of closed coils: ZeroDivisionError: division by zero',)
     """
 
-    def __init__(self, known: Iterable[str] = ()) -> None:
-        self.sentences = tuple(known)
+    sentences: tuple[str, ...] = ()
 
     def add(self, sentence: str) -> None:
-        """Add the sentence of a failure, once."""
+        """Add the sentence of a failure."""
         self.sentences = tuple(dict.fromkeys((*self.sentences, sentence)))
 
     def part(

@@ -96,11 +96,6 @@ class Study(Reported):
     train_modes: tuple[TrainModes, ...] = ()
     measured: SpeedCurve | None = None
 
-    @property
-    def interruption(self) -> str:
-        """What was not computed because the study was stopped; empty of a whole one."""
-        return next((one for one in self.gaps if one.startswith(INTERRUPTED)), "")
-
     def __repr__(self) -> str:
         found = self.quantities
         lines = [

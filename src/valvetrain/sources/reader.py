@@ -137,25 +137,23 @@ class Reader:
                 return cycle.channel(f"{name}_highest")
             fine = f"{name}_fine"
             return cycle.channel(fine).max(axis=1) if solution.has(fine) else None
-        if reading.above:
-            return self._band(name, reading.above, reading.below)
+        if (
+            reading.above
+        ):  # the largest size in each interval; the filters see one side only at the end
+            time = solution.time
+            quick = fine_filtered(solution, reading.below, name)
+            slow = fine_filtered(solution, reading.above, name)
+            if quick is None or slow is None:
+                return None
+            size = np.abs(quick - slow)
+            if len(size) > len(time):
+                size = np.append(size.reshape(len(time) - 1, -1).max(axis=1), 0.0)
+            inside = cycle.time < cycle.time[-1] - 1 / reading.above
+            return np.where(inside, size[cycle.samples], 0.0)
         if reading.below:
             force = filtered_force(solution, reading.below, name)
             return None if force is None else force[cycle.samples]
         return cycle.channel(name)
-
-    def _band(self, name: str, low: float, high: float) -> Array | None:
-        """Largest size of a channel in each interval between two frequencies (Hz); zero at its end, where the
-        filters see one side only.
-        """
-        cycle, time = self.cycle, self.cycle.solution.time
-        quick, slow = (fine_filtered(cycle.solution, one, name) for one in (high, low))
-        if quick is None or slow is None:
-            return None
-        size = np.abs(quick - slow)
-        if len(size) > len(time):
-            size = np.append(size.reshape(len(time) - 1, -1).max(axis=1), 0.0)
-        return np.where(cycle.time < cycle.time[-1] - 1 / low, size[cycle.samples], 0.0)
 
     def sampled(self, channels: Sequence[str]) -> tuple[Array, Array]:
         """Cam angle (rad) and value of a channel as the study would have stored it, both (phase, sample).

@@ -26,6 +26,7 @@ from valvetrain.quantities.signal import (
     prominent_peaks,
     separate_spikes,
 )
+from valvetrain.sources.rows import angle_of
 
 Numbers = dict[str, float]
 Kind = Literal[
@@ -75,15 +76,6 @@ class Reading:
         name = self.names[place]
         angle = {angle_of(name): float(cam_angle)} if self.with_angle else {}
         return {name: self.factor * float(value), **angle}
-
-
-def angle_of(name: str) -> str:
-    """Name of the cam angle of a quantity.
-
-    >>> angle_of("stage_2_peak_force"), angle_of("node_2_rebound_velocity")
-    ('stage_2_peak_cam_angle', 'node_2_rebound_velocity_cam_angle')
-    """
-    return f"{name.removesuffix('_force')}_cam_angle"
 
 
 @dataclass(frozen=True, eq=False)

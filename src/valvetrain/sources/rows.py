@@ -16,6 +16,15 @@ def path_of(key: str) -> Path:
     return Path(__file__).parents[1] / "parameters" / "library" / f"{key}.source"
 
 
+def angle_of(name: str) -> str:
+    """Name of the cam angle of a quantity.
+
+    >>> angle_of("stage_2_peak_force"), angle_of("node_2_rebound_velocity")
+    ('stage_2_peak_cam_angle', 'node_2_rebound_velocity_cam_angle')
+    """
+    return f"{name.removesuffix('_force')}_cam_angle"
+
+
 def rows_of(path: Path) -> tuple[QuantityRow, ...]:
     """The rows of the table ``[quantities]`` of a study's file; with ``cam_angle`` one of that angle too.
 
@@ -29,9 +38,10 @@ def rows_of(path: Path) -> tuple[QuantityRow, ...]:
         angle, label = values.pop("cam_angle", False), values["label"]
         found.append(row(name, **values))
         if angle:
-            short = name.removesuffix("_force") + "_cam_angle"
             words = f"{label.removesuffix(' force')}, cam angle"
-            found.append(row(short, words, f"Cam angle of the {label}.", systems=found[-1].systems))
+            found.append(
+                row(angle_of(name), words, f"Cam angle of the {label}.", systems=found[-1].systems)
+            )
     return tuple(found)
 
 

@@ -295,7 +295,7 @@ def _free_label(label: str, taken: list[str]) -> str:
     )
 
 
-def _rubbing(rubbing: Rubbing | None) -> RadialRubbing | None:
-    if rubbing is None or not (rubbing.coefficient > 0 and rubbing.normal_force > 0):
-        return None
-    return RadialRubbing(rubbing.coefficient, rubbing.normal_force)
+def _rubbing(rubbing: Rubbing) -> RadialRubbing | None:
+    if rubbing.coefficient > 0 and rubbing.normal_force > 0:
+        return RadialRubbing(rubbing.coefficient, rubbing.normal_force)
+    return None

@@ -114,8 +114,18 @@ def si(value: Given, quantity: str, where: str = "") -> float:
         number, unit = _base_magnitude(value, where)
         found, bare = to_si(number, unit, dimension, value, where), False
     else:
-        number = found = _plain(value, dimension, where)
-        unit, bare = DIMENSIONS[dimension].si_unit, True
+        due = DIMENSIONS[dimension]
+        alone = getattr(value, "shape", ()) == () and not isinstance(value, bool)
+        if not alone or not hasattr(value, "__float__"):
+            raise InputError(
+                f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as {due.written()}",
+                where,
+            )
+        try:
+            number = found = finite(float(value), value, where)
+        except OverflowError:
+            number = found = finite(math.inf, value, where)
+        unit, bare = due.si_unit, True
     if window and not _BELIEVED.get():
         doubt(found, quantity, f"{number:.6g} {unit}".strip(), bare, where)
     return found
@@ -342,23 +352,6 @@ def _round_step(first: float, last: float) -> str:
     power = 10.0 ** math.floor(math.log10(least))
     step = next(one * power for one in (1, 2, 2.5, 5, 10) if one * power >= least * (1 - 1e-9))
     return f"{step:g}"
-
-
-def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
-    due = DIMENSIONS[dimension]
-    if (
-        isinstance(value, bool)
-        or not hasattr(value, "__float__")
-        or getattr(value, "shape", ()) != ()
-    ):
-        raise InputError(
-            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as {due.written()}",
-            where,
-        )
-    try:
-        return finite(float(value), value, where)
-    except OverflowError:
-        return finite(math.inf, value, where)
 
 
 def _base_magnitude(value: Any, where: str) -> tuple[float, str]:
