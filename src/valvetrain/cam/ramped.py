@@ -138,14 +138,10 @@ class RampedModel(LiftModel):
         """Keyword arguments of the law's class; refuses ramps above the lift and events out of
         order.
         """
-        self.in_order("ramp_start", "event_start", "event_end", "ramp_end")
+        own = super().values(folder)
         if self.ramp_lift >= self.maximum_lift:
             raise problem("ramp_lift is not below maximum_lift; lower it", ("ramp_lift",))
-        return {
-            name: getattr(self, name)
-            for name in type(self).model_fields
-            if name not in LiftModel.model_fields
-        }
+        return own
 
 
 SPEC = LiftSpec(ramped, RampedModel)

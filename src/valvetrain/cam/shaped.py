@@ -222,18 +222,10 @@ class ShapedModel(LiftModel):
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; refuses events out of order."""
-        self.in_order(
-            "ramp_start",
-            "event_start",
-            "nose",
-            *(("event_end",) if self.event_end is not None else ()),
-        )
-        given = {
-            name: getattr(self, name)
-            for name in type(self).model_fields
-            if name not in LiftModel.model_fields
-        }
-        return {name: value for name, value in given.items() if value is not None}
+        end = () if self.event_end is None else ("event_end",)
+        self.in_order("ramp_start", "event_start", "nose", *end)
+        common = LiftModel.model_fields
+        return {name: one for name, one in self if name not in common and one is not None}
 
 
 SPEC = LiftSpec(Shaped, ShapedModel)

@@ -88,28 +88,31 @@ class RodLeapfrog:
         else:
             cycles = settling_revolutions(rod, cam_speed)
 
-        def turn(step: float | None) -> RodTransient:
-            return simulate(
-                model.mesh,
-                model.installed.state,
-                lambda time: model.precompression + system.displacement(time, cam_speed),
-                TURN / samples / cam_speed,
-                cycles * samples,
-                model.dynamics,
-                step,
-                discard=(cycles - 1) * samples,
-                pair_of=pair_of,
-                pair_interval=WATCH_SHARE * model.first_period,
-            )
+        def simulated() -> tuple[RodTransient, bool]:
+            """The motion, and whether it diverged at first and is that of half the step."""
+            step = options.time_step or model.time_step or model.stable_time_step()
+            halved = False
+            while True:
+                made = simulate(
+                    model.mesh,
+                    model.installed.state,
+                    lambda time: model.precompression + system.displacement(time, cam_speed),
+                    TURN / samples / cam_speed,
+                    cycles * samples,
+                    model.dynamics,
+                    step,
+                    discard=(cycles - 1) * samples,
+                    pair_of=pair_of,
+                    pair_interval=WATCH_SHARE * model.first_period,
+                )
+                if made.completed or halved:
+                    return made, halved
+                step, halved = made.time_step / 2, True
 
-        def whole() -> tuple[RodTransient, bool]:
-            first = turn(options.time_step or model.time_step or model.stable_time_step())
-            return (first, False) if first.completed else (turn(first.time_step / 2), True)
-
-        made, retried = whole()
+        made, retried = simulated()
         if not (rod.pulls or rod.lifting) and _pulled(made):
             model = replace(rod, lifting=True)
-            made, retried = whole()
+            made, retried = simulated()
         if retried:
             model = replace(model, time_step=made.time_step)
         channels = rod_channels(model, made, cam_speed, options.keep == "all")

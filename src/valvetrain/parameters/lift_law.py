@@ -98,11 +98,7 @@ class LiftModel(StrictModel):
         """Keyword arguments of the law's class; raises a located problem when the table contradicts
         itself.
         """
-        own = {
-            name: getattr(self, name)
-            for name in type(self).model_fields
-            if name not in LiftModel.model_fields
-        }
+        own = {name: value for name, value in self if name not in LiftModel.model_fields}
         self.in_order(*(name for name in own if name.endswith(("_start", "_end"))))
         return own
 

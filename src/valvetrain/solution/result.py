@@ -273,10 +273,19 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
     'time [s]'
     """
     arrays = solution.arrays
-    every = {**arrays.coords, **arrays.variables}
-    rows = {name: one.values for name, one in every.items() if one.dims[:1] == ("sample",)}
-    header = [label for name in rows for label in _column_labels(arrays, name)]
-    blocks = [one.reshape(len(one), int(np.prod(one.shape[1:]))) for one in rows.values()]
+    header, blocks = list[str](), list[Array]()
+    for name, one in (*arrays.coords.items(), *arrays.variables.items()):
+        if one.dims[:1] != ("sample",):
+            continue
+        block = one.values.reshape(len(one.values), int(np.prod(one.values.shape[1:])))
+        blocks.append(block)
+        unit = one.attrs.get("units", "1")
+        if len(one.dims) == 1:
+            header.append(f"{name} [{unit}]")
+            continue
+        along, dimension = arrays.along(name), one.dims[1].replace("_", " ")
+        places = np.arange(block.shape[1]) if along is None else along
+        header += [f"{name} at {dimension} {place:.6g} [{unit}]" for place in places]
     with (
         atomic_path(path) as temporary,
         temporary.open("w", encoding="utf-8", newline="\n") as stream,
@@ -287,17 +296,3 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
             cells = repr([value for block in blocks for value in block[row].tolist()])[1:-1]
             stream.write(f"{cells.replace(', ', ',')}\n")
     return Path(path)
-
-
-def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
-    """Column names of one channel or coordinate, with unit and coil number where there is a second
-    dimension.
-    """
-    one = arrays.coords.get(name) or arrays.variables[name]
-    unit = one.attrs.get("units", "1")
-    if len(one.dims) == 1:
-        return [f"{name} [{unit}]"]
-    dimension = one.dims[1]
-    along = (coord.values for coord in arrays.coords.values() if coord.dims == one.dims[1:])
-    places = next(along, np.arange(one.values.shape[1]))
-    return [f"{name} at {dimension.replace('_', ' ')} {place:.6g} [{unit}]" for place in places]

@@ -28,7 +28,7 @@ from valvetrain.solution.study import LiftEvent, Study
 from valvetrain.solution.uncertainty import Finding
 from valvetrain.sources.reader import Reader, Sampling
 from valvetrain.sources.readings import KNOWN_KEYS, Reading
-from valvetrain.sources.rows import NAMES, path_of
+from valvetrain.sources.rows import NAMES, SOURCES
 
 #: Parts of the open valve over which two runs are compared.
 Part = Literal["", "opening", "closing"]
@@ -258,7 +258,7 @@ def read_source(path: Path) -> SourceStudy:
 
     Raises :class:`InputError` for a key that no table has, and for a value without its unit.
 
-    >>> read_source(path_of("gu2021")).windows["event"]
+    >>> read_source(SOURCES / "gu2021.source").windows["event"]
     'Stage II'
     """
     tree = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -271,5 +271,5 @@ def read_source(path: Path) -> SourceStudy:
 
 
 GU2021, MULTIBODY4B17, VASILYEV2016 = (
-    read_source(path_of(key)) for key in ("gu2021", "multibody4b17", "vasilyev2016")
+    read_source(SOURCES / f"{key}.source") for key in ("gu2021", "multibody4b17", "vasilyev2016")
 )

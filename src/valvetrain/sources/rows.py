@@ -9,11 +9,8 @@ from valvetrain.solution.definition import QuantityRow, row
 
 #: Tables of a study's file that are about its names.
 NAMES = ("quantities", "systems")
-
-
-def path_of(key: str) -> Path:
-    """The file of a published study that ships with the package."""
-    return Path(__file__).parents[1] / "parameters" / "library" / f"{key}.source"
+#: Folder of the files of published studies that ship with the package.
+SOURCES = Path(__file__).parents[1] / "parameters" / "library"
 
 
 def angle_of(name: str) -> str:
@@ -28,7 +25,7 @@ def angle_of(name: str) -> str:
 def rows_of(path: Path) -> tuple[QuantityRow, ...]:
     """The rows of the table ``[quantities]`` of a study's file; with ``cam_angle`` one of that angle too.
 
-    >>> [one.name for one in rows_of(path_of("gu2021"))[4:6]]
+    >>> [one.name for one in rows_of(SOURCES / "gu2021.source")[4:6]]
     ['stage_2_peak_force', 'stage_2_peak_cam_angle']
     """
     tree = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -45,4 +42,4 @@ def rows_of(path: Path) -> tuple[QuantityRow, ...]:
     return tuple(found)
 
 
-GU2021, MULTIBODY4B17 = (rows_of(path_of(key)) for key in ("gu2021", "multibody4b17"))
+GU2021, MULTIBODY4B17 = (rows_of(SOURCES / f"{key}.source") for key in ("gu2021", "multibody4b17"))
