@@ -9,10 +9,10 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.case import STATUSES, Note, ValueStatus
+from valvetrain.parameters.case import STATUSES, Note
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.schema_types import MAX_LINE_LENGTH, text_problem
 from valvetrain.units.text import clipped
@@ -178,10 +178,16 @@ def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) ->
         return value
     note = {key: value[key] for key in ("status", "source") if key in value}
     if note:
-        try:
-            notes[path] = _note(note)
-        except InputError as error:
-            bad[path] = error.reason
+        status, source = note.get("status"), note.get("source", "")
+        if not isinstance(source, str):
+            bad[path] = "source must be text, such as the key of a reference"
+        elif reason := text_problem(source, MAX_LINE_LENGTH):
+            bad[path] = reason
+        elif status in (None, *STATUSES):
+            notes[path] = Note(status, source)
+        else:
+            shown = clipped(str(status), 30)
+            bad[path] = f"status '{shown}' is unknown; {nearest(shown, STATUSES)}"
     if is_note(value):
         return _walk(value["value"], path, notes, bad)
     return {
@@ -189,15 +195,3 @@ def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) ->
         for key, item in value.items()
         if key not in note
     }
-
-
-def _note(raw: dict[str, Any]) -> Note:
-    status, source = raw.get("status"), raw.get("source", "")
-    if not isinstance(source, str):
-        raise InputError("source must be text, such as the key of a reference")
-    if reason := text_problem(source, MAX_LINE_LENGTH):
-        raise InputError(reason)
-    if status is not None and (not isinstance(status, str) or status not in STATUSES):
-        shown = clipped(str(status), 30)
-        raise InputError(f"status '{shown}' is unknown; {nearest(shown, STATUSES)}")
-    return Note(cast("ValueStatus | None", status), source)

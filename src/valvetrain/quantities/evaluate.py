@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -170,4 +171,4 @@ def _with_rigid(solution: Solution, frame: Frame) -> Solution:
         added[PRESSURE] = Variable(
             ("sample",), at_samples("pressure_root") * np.sqrt(force), attributes
         )
-    return solution.with_channels(added)
+    return replace(solution, channels=solution.arrays.assign(added))

@@ -4,6 +4,8 @@ section loads.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from valvetrain.arrays import Array
@@ -122,7 +124,7 @@ def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
             )
             for name, known in zip(names, (SHEAR, EQUIVALENT), strict=True)
         }
-    return solution.with_channels(added) if added else solution
+    return replace(solution, channels=solution.arrays.assign(added)) if added else solution
 
 
 def _coils(solution: Solution, name: str) -> Array:

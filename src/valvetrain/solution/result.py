@@ -16,7 +16,7 @@ import numpy as np
 from valvetrain.arrays import Array
 from valvetrain.errors import FrozenMapping, InputError, NamedNumbers
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
+from valvetrain.solution.channels import ChannelArrays, DatasetField, empty_channels
 from valvetrain.solution.display import Saveable, frame, span, value_text, verdict_first
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
@@ -177,10 +177,6 @@ class Solution(Saveable):
         """A copy with other facts."""
         provenance = replace(self.provenance, facts=facts)
         return replace(self, channels=self.arrays, provenance=provenance)
-
-    def with_channels(self, added: Mapping[str, Variable]) -> Solution:
-        """A copy with further channels."""
-        return replace(self, channels=self.arrays.assign(added))
 
     def reduced(self) -> Solution:
         """The same run without its channels: events, quantities, status, statistics and provenance
