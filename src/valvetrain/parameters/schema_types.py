@@ -7,7 +7,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from functools import wraps
+from functools import partial, wraps
 from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 import pydantic.dataclasses
@@ -338,27 +338,21 @@ def text_problem(text: str, most: int, spared: str = "") -> str:
     return ""
 
 
-def text_of(most: int, spared: str = "", separators: str = "") -> AfterValidator:
-    """Refuses text that is too long, holds control characters other than ``spared``, or any of
+def readable(text: str, most: int, spared: str = "", separators: str = "") -> str:
+    """The text; refuses one that is longer than ``most``, holds control characters other than ``spared``, or any of
     ``separators``.
     """
-
-    def read(text: str) -> str:
-        if reason := text_problem(text, most, spared):
-            raise problem(reason)
-        for sign in separators:
-            if sign in text:
-                raise problem(
-                    f"'{clipped(text)}' holds '{sign}', which parts folders; leave it out"
-                )
-        return text
-
-    return AfterValidator(read)
+    if reason := text_problem(text, most, spared):
+        raise problem(reason)
+    for sign in separators:
+        if sign in text:
+            raise problem(f"'{clipped(text)}' holds '{sign}', which parts folders; leave it out")
+    return text
 
 
 #: A name within a case; the name of a case, by which files are found; one line; a text of several
 #: lines.
-Name = Annotated[str, text_of(MAX_NAME_LENGTH)]
-CaseName = Annotated[str, text_of(MAX_NAME_LENGTH, separators="/\\")]
-Line = Annotated[str, text_of(MAX_LINE_LENGTH)]
-Prose = Annotated[str, text_of(MAX_TEXT_LENGTH, spared="\n\r\t")]
+Name = Annotated[str, AfterValidator(partial(readable, most=MAX_NAME_LENGTH))]
+CaseName = Annotated[str, AfterValidator(partial(readable, most=MAX_NAME_LENGTH, separators="/\\"))]
+Line = Annotated[str, AfterValidator(partial(readable, most=MAX_LINE_LENGTH))]
+Prose = Annotated[str, AfterValidator(partial(readable, most=MAX_TEXT_LENGTH, spared="\n\r\t"))]

@@ -117,7 +117,7 @@ def with_wire_stress(solution: Solution, frame: Frame) -> Solution:
             place.wire,
             _coils(solution, loads[0]),
         )
-        dims = solution.arrays.variables[loads[0]].dims
+        dims = solution.arrays[loads[0]].dims
         added |= {
             name: Variable(
                 dims, values[known], {"units": "Pa", "long_name": STRESS_CHANNELS[known]}

@@ -87,6 +87,9 @@ class ChannelArrays:
         chosen = {name: one for name, one in self.coords.items() if set(one.dims) <= dims}
         return ChannelArrays(variables, chosen, self.attributes)
 
+    def __getitem__(self, name: str) -> Variable:
+        return self.variables[name]
+
     def assign(self, added: Mapping[str, Variable]) -> ChannelArrays:
         """A copy with ``added`` channels."""
         return ChannelArrays({**self.variables, **added}, self.coords, self.attributes)

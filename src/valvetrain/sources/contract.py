@@ -180,11 +180,12 @@ class SourceStudy:
         reader = self.reader(cycle, frame.lift_event, frame.surge_frequency, **coils)
         return reader.read(self.readings)
 
-    def by_phase(self, study: Study, surge_frequency: float | None) -> dict[Quantity, Array]:
+    def by_phase(self, study: Study) -> dict[Quantity, Array]:
         """Numbers of the runs that are compared, once for each phase of the samples that it stored."""
         found = dict[Quantity, Array]()
         sampled = [one for one in self.readings if one.sampled or one.kind == "difference"]
         labels = {origin.run for origin in self.origins.values()} if sampled else set()
+        surge_frequency = study.still.get("", {}).get("mode_1_frequency")
         for run in study.solutions:
             if run.label in labels and len(run.time) > 2:
                 reader = self.reader(reported_cycle(run), study.lift_event, surge_frequency)
@@ -237,7 +238,6 @@ def against_source(study: Study) -> Study:
         registry.find("sources", record.study) if record.study else SourceStudy("")
     )
     quantities = dict(study.quantities.items()) | source.of_runs(study)
-    surge_frequency = quantities.get(Quantity("mode_1_frequency"))
     runs = {name: origin.run for name, origin in source.origins.items()}
     findings = filter(None, (claim.finding(study) for claim in source.claims))
     return replace(
@@ -247,7 +247,7 @@ def against_source(study: Study) -> Study:
             Quantities(quantities),
             runs if record.study else None,
             source.counted,
-            source.by_phase(study, surge_frequency),
+            source.by_phase(study),
         ),
         findings=(*study.findings, *findings),
     )
