@@ -12,6 +12,7 @@ from valvetrain.cam.cam_card import CamCard
 from valvetrain.cli.case_facts import case_quantities
 from valvetrain.errors import InputError
 from valvetrain.findings.rules_case import CaseFacts
+from valvetrain.parameters.case import Operation
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.valve_events import closing_ramp
@@ -96,3 +97,12 @@ def test_the_closing_ramp_is_from_its_lift_to_rest():
     begin, end = closing_ramp(card).values()
     assert math.pi < begin < end and card.lift(begin) == pytest.approx(card.ramp_lift, rel=1e-9)
     assert 0 <= card.lift(end) < 1e-15 and card.lift(end - 1e-3) > 1e-11
+
+
+def test_speeds_that_were_written_with_their_unit_stay_when_something_else_changes():
+    operation = Operation(engine_speeds="15500 rpm", red_line="16000 rpm").replace(cycles=3)
+    assert operation.cycles == 3
+    assert operation.engine_speeds == pytest.approx((15500 * RPM,))
+    assert operation.red_line == pytest.approx(16000 * RPM)
+    with pytest.raises(InputError, match="without a unit"):
+        operation.replace(engine_speeds=(15500 * RPM,))

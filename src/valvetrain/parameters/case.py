@@ -8,6 +8,7 @@ import hashlib
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import InitVar, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from numbers import Real
@@ -31,6 +32,7 @@ from valvetrain.parameters.schema_types import (
     AngularSpeed,
     PositiveLength,
     Table,
+    guarded,
     problem,
     quantities,
     quantity,
@@ -40,7 +42,7 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
-from valvetrain.units import MAX_SPEEDS, believed
+from valvetrain.units import MAX_SPEEDS, format_quantity, si
 
 #: Fields of a case that change none of its numbers.
 _TEXTS = (
@@ -185,14 +187,18 @@ class Operation(Table):
         if len(speeds) > MAX_SPEEDS:
             raise problem(f"there are more than {MAX_SPEEDS} speeds; take a larger step")
         object.__setattr__(self, "engine_speeds", tuple(dict.fromkeys(speeds)))
+        if self.red_line is not None:
+            in_rpm = format_quantity(self.red_line, "rpm", 12)
+            guarded(si, in_rpm, "engine_speed", path=("red_line",))
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
 
     def replace(self, **changes: Any) -> Operation:
         """A copy with fields changed; what stays was read before and is not doubted again."""
-        given = Operation(**changes)
-        with believed():
-            return replace(self, **{name: getattr(given, name) for name in changes})
+        given, changed = Operation(**changes), copy(self)
+        for name in changes:
+            object.__setattr__(changed, name, getattr(given, name))
+        return changed
 
     @property
     def top_speed(self) -> float:

@@ -221,7 +221,7 @@ DOUBTED: dict[str, str] = {
     "pitch": "pitch", "free_length": "spring_length", "installed_height": "spring_length", "preload_height": "spring_length",
     "open_height": "spring_length", "solid_height": "spring_length", "precompression": "compression", "maximum_lift": "valve_lift",
     "youngs_modulus": "modulus", "shear_modulus": "modulus", "density": "density", "engine_speeds": "engine_speed",
-    "cam_speeds": "cam_speed", "red_line": "engine_speed",
+    "cam_speeds": "cam_speed",
     # fields whose key is the name of something else in Python
     "outer": "mean_diameter", "free": "spring_length", "stated_solid_height": "spring_length", "installed": "spring_length",
 }  # fmt: skip
