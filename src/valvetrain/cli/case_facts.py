@@ -192,6 +192,7 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     """
     from valvetrain.quantities.forces import bind_clearances
     from valvetrain.quantities.statics import design_quantities
+    from valvetrain.quantities.valve_events import rigid_events
     from valvetrain.runs.prepared import largest_lift
 
     springs = case.springs or (case.train.spring_parts() if case.train is not None else ())
@@ -211,6 +212,9 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     if case.train is not None:
         largest = largest_lift(problem)
         found |= {"rigid_maximum_valve_lift": largest}
+        gear = problem.members[0].gear
+        events = {} if gear is None else rigid_events(gear.mechanism.kinematics)
+        found |= {name: one for name, one in events.items() if name.endswith("_range")}
         found |= _needed(problem.members[0], case.operation)
     return found | bind_clearances(springs, largest)
 

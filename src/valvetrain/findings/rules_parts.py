@@ -130,7 +130,7 @@ REACHED = "in control to {reached} rpm[, red line {red}][, with only {left} left
 #: What flex takes of lift and open time, and the share of it that a part leaves at most to be called stiffer.
 LOST, LESS = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"), 0.97
 FLEXES = (
-    "flex takes {value:2} of lift at low speed and {time:2} of open time at {speed}"
+    "flex takes {value:2} of lift at low speed and {time:2} of the time above 0.050 in at {speed}"
     "[; {part} leaves {less:2} and {shorter:2}, and gains {gain} rpm]"
 )
 #: Where no option of a command makes the change, the case file has to.

@@ -240,7 +240,7 @@ def flex(facts: Facts, run: Solution) -> Hit | None:
     angle = shorter.value if shorter else 0.0
     if lost is None or lost.value <= 0 or not (lost.value > FLOAT or angle > math.radians(1)):
         return None
-    return Hit(lost, run, fields={"shorter": shorter or ""})
+    return Hit(lost, run)
 
 
 def needs(facts: Facts) -> Hits:
@@ -301,7 +301,7 @@ RULES = (
          ("peak_cam_contact_force_cam_angle",), remark="by contact constants", guide="uncertainty.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}[ {at}], {part}", step=LASH,
          guide="how-to/10-seating.md"),
-    Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
+    Rule("L101", "notes", "flex takes {value} of lift[ {at}]", flex, FLEX,
          step="stiffer pushrod or rocker: valvetrain study --parts {case}", guide="how-to/08-flex.md"),
     Rule("V102", "notes", "the valve lands at {value}[ {at}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",

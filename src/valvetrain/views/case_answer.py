@@ -18,6 +18,7 @@ from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.springs_at_rest import TOGETHER
 from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
+from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.solution.definition import is_defined, label_of
 from valvetrain.solution.static import RestPoint
 from valvetrain.views.at_rest import TO_BIND, bind_line, wound_text
@@ -26,8 +27,6 @@ from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
-#: Heights (m) above which the open time is a row, the first that is known.
-OPEN = 1.27e-3
 #: Spring -> its states closed and at full lift, or why it has none.
 Loads = Mapping[str, "tuple[RestPoint, RestPoint] | str"]
 
@@ -104,16 +103,13 @@ class CaseAnswer(ShownByRules):
         texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
         ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
         texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
-        at = next((one for one in self.durations if math.isclose(one, OPEN, rel_tol=1e-3)), None)
-        if at is not None:
-            wide = Amount("valve_50_thou_open_crank_angle_range", self.durations[at])
-            texts.append(
-                (
-                    "open",
-                    self.words.amount(wide),
-                    f"above 0.050 in of {'lobe' if driven else 'valve' if gear else 'spring' if case.springs else 'this'} lift",
-                )
-            )
+        height = "1_mm" if self.words.units == "si" else "50_thou"
+        valve, lobe = (
+            amounts.get(f"{what}_{height}_open_crank_angle_range", "")
+            for what in ("rigid_valve", "lobe")
+        )
+        above = f"above {EVENT_LIFTS[height].removeprefix('at ')} of valve lift, rigid"
+        texts.append(("valve open", valve, f"{above}; {lobe} of lobe lift" if lobe else above))
         speeds = case.operation.engine_speeds
         reach = [speed_text(one) for one in (speeds[:1] if len(speeds) == 1 else (min(speeds, default=0), max(speeds, default=0)))]  # fmt: skip
         texts.append(("engine speed", " to ".join(reach) if speeds else "", ""))

@@ -81,6 +81,7 @@ class Row:
     note : a few words behind it, where no finding has any
     of : what has the row, ``train``, ``spring`` or both (empty)
     limit : what it is checked against; a row without one has no tick of its own
+    units : the system whose readers it is for, ``si``, ``imperial`` or both (empty)
     """
 
     label: str
@@ -88,6 +89,7 @@ class Row:
     note: str = ""
     of: str = ""
     limit: Limit | None = None
+    units: str = ""
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -123,9 +125,11 @@ ROWS = (
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
     Row("inner wire, shear", ("{inner_minimum_shear_stress..inner_peak_shear_stress}",), "least to most"),
-    Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
+    Row("valve open", ("{valve_1_mm_open_crank_angle_range}",), "above 1 mm of valve lift", "train", units="si"),
+    Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train", units="imperial"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
-    Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train"),
+    Row("open time lost", ("[{valve_1_mm_lost_crank_angle_range:2}]",), "to flex", "train", units="si"),
+    Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train", units="imperial"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
     Row("first mode", ("{surge_frequency}",), "of the wire at rest", "spring"),
     Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
@@ -202,7 +206,10 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     lines += pair_lines(facts, runs, words)
     speeds = {run.engine_speed for run in runs}
     for row in (*ROWS, *_added_rows()):
-        if row.of not in ("", "train" if facts.train else "spring"):
+        if row.of not in ("", "train" if facts.train else "spring") or row.units not in (
+            "",
+            words.units,
+        ):
             continue
         cells = _cells(row, facts, runs, brief)
         if not any(cells):
