@@ -207,6 +207,9 @@ def test_a_run_up_loses_the_cam_or_keeps_it():
     lost, kept = (findings_of(running_up(last)) for last in ("9000 rpm", "7300 rpm"))
     assert lost.verdict.code == "U101" and "U102" not in lost.codes
     assert kept.verdict.code == "U102" and "U101" not in kept.codes
+    whole = running_up("7300 rpm")
+    short = findings_of(replace(whole, record=replace(whole.record, red_line=8000 * RPM)))
+    assert short.verdict.code == "U103" and short.verdict.mark == "" and "U102" not in short.codes
     first = lost.verdict.engine_speed
     gaps = [
         run.quantities["loft_gap"]
@@ -236,13 +239,15 @@ def test_a_sweep_says_to_which_speed_control_is_kept():
         "kept": kept,
         "never": never,
         "beyond": swept("6000:8000:1000 rpm", 6500.0),
+        "short": swept("3000:5000:1000 rpm", 6500.0),
     }
     verdicts = {name: findings_of(one).verdict for name, one in codes.items()}
     assert {name: one.code for name, one in verdicts.items()} == {
-        "lost": "W101", "kept": "W103", "never": "W104", "beyond": "W102",
+        "lost": "W101", "kept": "W103", "never": "W104", "beyond": "W102", "short": "W105",
     }  # fmt: skip
     assert verdicts["lost"].value == lost.critical_speeds.of("contact-loss").engine_speed
     assert verdicts["lost"].fields["cause"] and verdicts["beyond"].mark == "ok"
+    assert verdicts["kept"].mark == "ok" and verdicts["short"].mark == ""
     codes_lost, codes_kept = (findings_of(one).codes for one in (lost, kept))
     assert {"W121", "W122"} <= set(codes_lost) and not any(
         one.startswith("W12") for one in codes_kept
@@ -252,7 +257,14 @@ def test_a_sweep_says_to_which_speed_control_is_kept():
     for one in (*codes.values(), swept("6000:8000:1000 rpm", None, ("stock", "performance"))):
         assert len(str(findings_of(one).verdict).split()) <= 25
         parts = findings_of(one).verdict.code in ("W101", "W102")
-        asked = "study --parts tdi-pushrod" if parts else "compare tdi-pushrod --rpm "
+        again = findings_of(one).verdict.code == "W105"
+        asked = (
+            "sweep tdi-pushrod --rpm"
+            if again
+            else "study --parts tdi-pushrod"
+            if parts
+            else "compare tdi-pushrod --rpm "
+        )
         assert Answer(one).next_step.startswith(f"valvetrain {asked}")
 
 

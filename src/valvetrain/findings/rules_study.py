@@ -254,21 +254,37 @@ def loses_running_up(facts: Facts) -> Hits:
         })  # fmt: skip
 
 
-def kept_running_up(facts: Facts) -> Hits:
-    """A run-up in which the cam is never left."""
-    if facts.runs and not _lost(facts):
+def _kept_running_up(facts: Facts, whole: bool) -> Hits:
+    if not facts.runs or _lost(facts):
+        return
+    red, top = facts.study.record.red_line, max(facts.speeds)
+    # the mean speed of the last revolution lies below the speed at which the run-up ends
+    short = 0.0 if red is None else red - top
+    if (short <= NEARLY * top) is whole:
         least = min(
             facts.amounts(CONTACT[0]),
             key=lambda pair: pair[0].value,
             default=(None, facts.runs[-1]),
         )
         fields: Fields = {
-            "speed": speed_text(max(facts.speeds)), "least": least[0] or "",
-            "there": speed_text(least[1].engine_speed),
+            "speed": speed_text(top), "least": least[0] or "", "there": speed_text(least[1].engine_speed),
+            "short": speed_text(short), "red": speed_text(red or top, ""),
         }  # fmt: skip
         yield Hit(least[0], least[1], 0.0, fields)
 
 
+def kept_running_up(facts: Facts) -> Hits:
+    """A run-up to the red line, where one is stated, in which the cam is never left."""
+    return _kept_running_up(facts, whole=True)
+
+
+def kept_to_its_end(facts: Facts) -> Hits:
+    """A run-up that ends below the red line, and in which the cam is never left."""
+    return _kept_running_up(facts, whole=False)
+
+
+#: By how much of its speed the last revolution of a run-up may be slower than the red line it ran up to.
+NEARLY = 0.02
 SWEEP, RUN = "valvetrain sweep {case}", "valvetrain run {case} --rpm '{speed}'"
 DECIDES = "{lead} decides[: {own}]"
 FIRST = (
@@ -282,6 +298,8 @@ RUN_UP = (
          "how-to/02-power-drops.md"),
     Rule("U102", "decides", "in control up to {speed}", kept_running_up, CONTACT,
          "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
+    Rule("U103", "decides", "in control to {speed}, where the run-up ends, {short} below the red line", kept_to_its_end, CONTACT,
+         "[at least {least} on the cam][, at {there}]", "valvetrain run-up {case} --to '{red} rpm'", mark=""),
 )  # fmt: skip
 MODELS = (
     Rule("M101", "decides", "{state} at {speed}: {lead}, the model that decides, {said}; {others} {does} contact", disagree,

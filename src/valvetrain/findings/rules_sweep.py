@@ -142,14 +142,30 @@ def never_held(facts: Facts) -> Hits:
         yield Hit(Amount(SPEED, first), None, None, fields)
 
 
-def held(facts: Facts) -> Hits:
-    """Nothing is lost up to the highest speed searched."""
+def _held(facts: Facts, whole: bool) -> Hits:
     if facts.searched and facts.train and _first(facts) is None:
         last = max(one.last_engine_speed for one in facts.study.critical_speeds)
+        red = facts.study.record.red_line or last
+        if (round((red - last) / RPM) <= 0) is not whole:
+            return
         kept = facts.amounts(CONTACT[0])
         least, run = min(kept, key=lambda pair: pair[0].value, default=("", None))
-        fields: Fields = {"speed": speed_text(last), "round": speed_text(last, ""), "least": least}
+        first = min(one.first_engine_speed for one in facts.study.critical_speeds)
+        fields: Fields = {
+            "speed": speed_text(last), "round": speed_text(last, ""), "least": least, "short": speed_text(red - last),
+            "reach": f"{speed_text(first, '')}-{speed_text(red)}",
+        }  # fmt: skip
         yield Hit(Amount(SPEED, last), run, None, fields)
+
+
+def held(facts: Facts) -> Hits:
+    """Nothing is lost up to the highest speed searched, the red line where one is stated."""
+    return _held(facts, whole=True)
+
+
+def held_to_its_end(facts: Facts) -> Hits:
+    """Nothing is lost up to the highest speed searched, which lies below the red line."""
+    return _held(facts, whole=False)
 
 
 def islands(facts: Facts) -> Hits:
@@ -418,6 +434,8 @@ RULES = (
          "then it {does}[, {cause}]", PARTS, RANGE, DROPS, "ok", ("D10",)),
     Rule("W103", "decides", "in control up to {speed}, the highest searched", held, CONTACT,
          "[{least} left on the cam][ {at}]", COMPARE, mark="ok", unless=("D10",)),
+    Rule("W105", "decides", "in control to {speed}, where the search ends, {short} below the red line", held_to_its_end, CONTACT,
+         "[{least} left on the cam][ {at}]", "valvetrain sweep {case} --rpm '{reach}'", mark="", unless=("D10",)),
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
