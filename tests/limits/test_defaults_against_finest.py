@@ -33,6 +33,7 @@ def own_engine() -> str:
     return text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "subject",
     [

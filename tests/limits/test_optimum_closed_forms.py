@@ -24,6 +24,7 @@ search = {{ method = "{method}", trials = 48, seed = {seed} }}
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["tpe", "nsga2"])
 def test_the_lightest_spring_of_a_rate_is_that_of_the_formula(method):
     """k = G d^4 / (8 D^3 n), m = rho pi^2/4 d^2 D n without pitch: at fixed k d^2 goes with D^1.5,
@@ -48,6 +49,7 @@ def test_the_lightest_spring_of_a_rate_is_that_of_the_formula(method):
     assert float(best.objectives[0]) == pytest.approx(mass, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_front_of_two_objectives_is_the_curve_between_their_ends():
     """m ~ d^2 D, f = d / (2 pi n D^2) sqrt(G / 2 rho): at any mass the narrowest coil surges
     highest, so the front lies at that end.

@@ -48,6 +48,7 @@ def bars_of(study: Study) -> dict[str, object]:
 FORCES = ("minimum_spring_force", "peak_spring_force", "surge_amplitude_force")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rpm", [5000, 6000])
 def test_a_coarse_chain_and_the_modes_of_the_default_hold_the_limit(rpm):
     """The chain of five elements is a third off and says so; 40 modes are within a hundredth."""
@@ -235,6 +236,7 @@ def rod(elements: int) -> vt.Case:
     return vt.Case(spring=spring, lift_law=law, operation={"cycles": 2})
 
 
+@pytest.mark.slow
 def test_a_rod_too_coarse_for_a_coarser_one_takes_a_finer_one():
     """Six elements a coil cannot be four; their bar is wider than that of twelve by eight."""
     wide, narrow = (

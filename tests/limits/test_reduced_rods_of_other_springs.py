@@ -4,6 +4,7 @@ rest and in motion without that it stands in the validation book.
 
 from __future__ import annotations
 
+import pytest
 from validation.against_rod import difference_from_rods
 from validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
 
@@ -11,6 +12,7 @@ import valvetrain as vt
 from fact_parts import with_code
 
 
+@pytest.mark.slow
 def test_a_spike_that_is_too_high_is_said():
     """Coils of the cone clash at 250 rad/s: its rms is within 1 %, a spike is not."""
     largest = OTHER_SPRINGS["conical"][2]
@@ -19,6 +21,7 @@ def test_a_spike_that_is_too_high_is_said():
     assert found.too_far.startswith("peak ")
 
 
+@pytest.mark.slow
 def test_a_run_whose_clash_is_too_hard_says_so():
     """At 10000 rpm the peak of job C is 12 % off that of its rod, at 2000 rpm, where no coil clashes, none is."""
     speeds = ["2000 rpm", "10000 rpm"]

@@ -47,6 +47,7 @@ def test_the_verdict_names_the_force_that_is_missing(found):
     assert answer_of(found).verdict.code == "O103"
 
 
+@pytest.mark.slow
 def test_of_designs_alike_in_their_best_force_of_zero_the_nearest_is_the_best(case):
     """As an objective the force is zero alike too."""
     found = case.optimise(

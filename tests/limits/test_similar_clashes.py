@@ -84,6 +84,7 @@ def assert_same_main_clash(one, other, turn: float, share: float, faster: float 
     assert faster * impulses[1] == pytest.approx(impulses[0], rel=share)
 
 
+@pytest.mark.slow
 def test_a_spring_twice_as_fast_at_twice_the_speed_has_the_same_clashes(plain):
     fast = clashing("multi-mass", 2.0)
     assert fast.quantities["raw_peak_spring_force"] == pytest.approx(

@@ -105,6 +105,7 @@ def test_points_beside_the_other_body_touch_nothing():
     assert np.all(np.isinf(found.gap)) and not found.force.any() and found.tangent.nnz == 0
 
 
+@pytest.mark.slow
 def test_a_finer_section_comes_nearer_to_hertz():
     """Closed form: the force of a squeezed section by 8 and 16 bricks across is 1.9 and 0.3 % off the
     closed form."""

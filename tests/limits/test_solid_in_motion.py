@@ -95,6 +95,7 @@ def study():
     )
 
 
+@pytest.mark.slow
 def test_rod_and_solid_agree_in_motion(study):
     """Limit between models: end forces, motion of a coil and torsional moment of a coarse solid stay
     within 2 % of the largest from the rod's."""
@@ -220,6 +221,7 @@ def cone() -> Study:
     return simulate(parse_case(CONE, "cone"), models=["solid"], workers=1)
 
 
+@pytest.mark.slow
 def test_forces_per_length_add_up_to_those_of_pairs(coils):
     """Property: over the wire of a pair of coils, the peaks of its points reach the peak of the pair,
     and no more than their number times it; where a pair is pressed at no instant, no point is."""

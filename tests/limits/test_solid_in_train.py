@@ -48,6 +48,7 @@ def study():
     )
 
 
+@pytest.mark.slow
 def test_the_train_is_that_of_the_rod(study):
     """Contract: every channel of valve, cam and lever is that of the train with rods, to the bit."""
     rod, solid = study.solutions

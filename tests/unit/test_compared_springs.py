@@ -62,6 +62,7 @@ def test_a_card_goes_by_the_name_that_was_given(cards, both):
     assert list(both.train.springs) == ["soft", "stiff"]
 
 
+@pytest.mark.slow
 def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, study):
     """Closed form: with a peak between both forces at solid only the runs of the softer strike."""
     problem = build(both, spring_models=("massless",), spring_set=("soft", "stiff"))

@@ -59,6 +59,7 @@ def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
     assert found.misfit < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", get_args(Method))
 def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
