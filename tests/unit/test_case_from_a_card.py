@@ -8,14 +8,17 @@ import io
 import math
 import sys
 
+import numpy as np
 import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.cli.case_facts import case_facts
+from valvetrain.explore.new_command import write_template
 from valvetrain.parameters.card_case import card_case_text, questions_of
-from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import QUESTIONS, TRAINS
+from valvetrain.system.build import build
 
 SPRING = {"seat_load": "76 lbf", "height": "1.80 in", "rate": "300 lbf/in"}
 LBF, INCH = 4.4482216152605, 25.4e-3
@@ -155,3 +158,18 @@ def test_a_measured_rocker_is_not_assumed_and_without_its_inertia_it_is_a_unifor
     }
     lever = parse_case(card_case_text(kind, answers)).train.lever
     assert lever.inertia == pytest.approx(bar * 0.14 * lever.valve_arm**2 / 3, rel=1e-2)
+
+
+def test_a_cam_under_a_flat_face_has_room_for_its_nose(tmp_path, monkeypatch):
+    """Contract: the assumed base circle of 18 mm made a cusp of a card of 10.2 mm and 232 degrees, which no run takes."""
+    monkeypatch.chdir(tmp_path)
+    card = {"lift": "10.2 mm", "duration": "232 deg", "checking_lift": "1 mm", "lash": "0.25 mm"}
+    case = load_case(write_template("steep", "direct", SPRING | card))
+    assert case.train.cam.base_radius > 18e-3
+    gear = build(case).members[0].gear
+    law = gear.mechanism.kinematics.law
+    angle = np.linspace(0, 2 * np.pi, 14401)
+    least = case.train.cam.base_radius + np.min(law.lift(angle) + law.lift(angle, 2))
+    assert 3e-3 <= least < 4.1e-3  # h + h'' under a flat face, a base circle of whole mm
+    gentle = load_case(write_template("gentle", "direct", SPRING | {"lift": "6 mm"}))
+    assert gentle.train.cam.base_radius == pytest.approx(18e-3)

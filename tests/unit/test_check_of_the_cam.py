@@ -177,6 +177,10 @@ def test_lash_face_and_solid_height_are_looked_at(tmp_path):
     bucket_text = template_text("direct")
     assert of(bucket_text)[0] == "Q101" and "Q121" not in of(bucket_text)
     assert of(bucket_text, "--set", "train.follower.face_diameter=14 mm")[0] == "Q112"
+    circles = [
+        of(bucket_text, "--set", f"train.cam.base_radius={radius} mm") for radius in (17, 22)
+    ]
+    assert ["Q118" in one for one in circles] == [True, False]
     assert "Q121" in of(bucket_text.replace('face_diameter = "28 mm" #', "#"))
     ramp = [("ramp_lift", "0.1 mm"), ("ramp_velocity", "0.01 mm/deg"), ("lash", "0.5 mm")]
     words = [part for key, value in ramp for part in ("--set", f"lift_law.{key}={value}")]

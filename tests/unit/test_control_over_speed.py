@@ -46,12 +46,14 @@ def bracket(low: float, high: float) -> SpeedBracket:
 
 
 def lost(
-    kind: str, begin: float, end: float = math.inf, *again: SpeedBracket, **more: object
+    kind: str, begin: float | None, end: float = math.inf, *again: SpeedBracket, **more: object
 ) -> CriticalSpeed:
-    """Control lost from ``begin`` to ``end`` (rpm) of a search from 4000 to 8000 rpm."""
+    """Control lost from ``begin`` to ``end`` (rpm) of a search from 4000 to 8000 rpm, never without ``begin``."""
     place = {"contact-loss": "cam", "float": "valve", "bounce": "seat"}[kind]
-    ranges = bracket(begin, min(end, 8000)), *again
-    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, ranges, (place,))
+    ranges = () if begin is None else (bracket(begin, min(end, 8000)), *again)
+    row = CriticalSpeed(
+        LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, ranges, (place,) if ranges else ()
+    )
     return replace(row, **more)
 
 
@@ -134,10 +136,30 @@ def test_the_range_of_a_critical_speed_is_that_of_the_loss_that_stays():
 
 
 def test_what_a_search_could_not_see_and_two_motions_are_named():
-    pulled = sweep(lost("contact-loss", 6100, pulled=(bracket(5000, 5100),)))
+    pulled = sweep(lost("contact-loss", 6100, pulled=(bracket(5000, 5050),)))
     assert findings_of(pulled).by("W114") and not findings_of(pulled).by("W112")
+    assert findings_of(pulled).verdict.code == "W101"
     both = sweep(lost("contact-loss", 6100, falling_engine_speed=5900 * RPM))
     assert findings_of(both).by("W112") and not findings_of(both).by("W114")
+
+
+@pytest.mark.parametrize(
+    ("row", "silent"),
+    [
+        (lost("contact-loss", 6100, pulled=(bracket(5000, 5200),)), 5000),
+        (lost("contact-loss", None, pulled=(bracket(6000, 7000),)), 6000),
+        (lost("contact-loss", None, pulled=(bracket(6990, 8000),)), 6990),
+        (lost("contact-loss", 6100, pulled=(bracket(6500, 7000),)), math.inf),
+        (lost("contact-loss", None, pulled=(bracket(6000, 6050),)), math.inf),
+    ],
+)
+def test_no_control_is_claimed_where_runs_say_nothing_of_it(row, silent):
+    """Contract: control "up to 18600 rpm" of a train that flew from 14600 rpm on, where its springs pulled."""
+    study = sweep(row)
+    control, verdict = control_of(study, LABEL), findings_of(study).verdict
+    assert control.silent == pytest.approx(silent * RPM)
+    assert (verdict.code == "W106") == math.isfinite(silent)
+    assert verdict.mark != "ok" or not math.isfinite(silent)
 
 
 def test_a_rounded_speed_lies_inside_its_range():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shlex
 import sys
@@ -10,6 +11,7 @@ from dataclasses import dataclass, make_dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import typer
 
 from valvetrain.cli.request import AnswerLine, command_without_case
@@ -33,6 +35,8 @@ REQUESTS = {
     "optimise": "the best spring for it",
     "identify": "its wire from measured loads, by a card its damping from measured surge",
 }
+#: Least radius (m) of a cam under a flat face that a written case has.
+NOSE = 3e-3
 #: Kind of request -> the command that runs it, where that has another name.
 COMMANDS = {"lash": "study"}
 
@@ -156,7 +160,30 @@ def write_template(name: str, kind: str, answers: Mapping[str, str] | None = Non
         return _written(name, template_text(kind))
     from valvetrain.parameters.card_case import card_case_text
 
-    return _written(name, card_case_text(kind, answers))
+    return _written(name, _with_room(card_case_text(kind, answers)))
+
+
+def _with_room(text: str) -> str:
+    """The case with an assumed base circle so large that a cam under a flat face has a radius of :data:`NOSE` at least."""
+    from valvetrain.mechanism.contour import curvature_radius_flat
+    from valvetrain.parameters.card_case import with_value
+    from valvetrain.parameters.loading import parse_case
+    from valvetrain.system.build import build
+
+    key, train = ("train", "cam", "base_radius"), parse_case(text, where="the case").train
+    if train is None or train.follower is None or train.follower.shape != "flat" or not train.cam:
+        return text
+    wide = 2 * train.cam.base_radius
+    larger = with_value(text, key, f"{wide * 1e3:.6g} mm")
+    gear = build(parse_case(larger, where="the case")).members[0].gear
+    if gear is None:
+        return text
+    mechanism = gear.mechanism
+    contour = mechanism.tables[mechanism.interactions[mechanism.interaction_index("cam")].table]
+    needed = wide + NOSE - float(np.min(curvature_radius_flat(contour)))
+    if needed <= train.cam.base_radius:
+        return text
+    return with_value(text, key, f"{math.ceil(needed * 1e3)} mm")
 
 
 def write_request(name: str, kind: str, case: str) -> Path:

@@ -34,17 +34,20 @@ class Loss:
 @dataclass(frozen=True)
 class Control:
     """What a search found of a label: ``losses`` by their begin, and ``islands``, short ranges of lost contact below all
-    of them in which the valve neither floats nor bounces; ``contact`` is the row of those.
+    of them in which the valve neither floats nor bounces; ``contact`` is the row of those. ``unknown``: ranges of which
+    the runs say nothing, and ``silent``: the engine speed (rad/s) from which that is more than a short range below the losses.
     """
 
     losses: tuple[Loss, ...] = ()
     islands: tuple[SpeedBracket, ...] = ()
     contact: CriticalSpeed | None = None
+    unknown: tuple[SpeedBracket, ...] = ()
+    silent: float = math.inf
 
     @property
     def limit(self) -> float:
-        """Engine speed (rad/s) up to which the train is controlled but for the islands; infinite for never lost."""
-        return min((one.begin for one in self.losses), default=math.inf)
+        """Engine speed (rad/s) up to which the train is known to be controlled but for the islands; infinite for never lost."""
+        return min((self.silent, *(one.begin for one in self.losses)))
 
     def spans(self, kind: str) -> tuple[SpeedBracket, ...]:
         """All ranges of engine speed (rad/s) that hold one kind of loss, islands among them."""
@@ -75,8 +78,13 @@ def control_of(study: Study, label: str) -> Control:
     """
     found = study.critical_speeds
     losses = [Loss(row, ranges) for row, ranges in found.limiting(label) if ranges]
+    ordered = tuple(sorted(losses, key=lambda one: one.begin))
     contact = found.of("contact-loss", label)
-    if contact is None or not contact.found:
-        contact = None
-    islands = () if contact is None else contact.ranges[: contact.short_count]
-    return Control(tuple(sorted(losses, key=lambda one: one.begin)), islands, contact)
+    if contact is None:
+        return Control(ordered)
+    silent = contact.silent_speed
+    if ordered and silent > ordered[0].begin:
+        silent = math.inf
+    if not contact.found:
+        return Control(ordered, unknown=contact.pulled, silent=silent)
+    return Control(ordered, contact.ranges[: contact.short_count], contact, contact.pulled, silent)

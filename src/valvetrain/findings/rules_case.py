@@ -162,6 +162,13 @@ def ready(facts: CaseFacts) -> Hits:
         })  # fmt: skip
 
 
+def sharp(facts: CaseFacts) -> Hits:
+    """The cam has a radius of less than :data:`SHARP`, which is pressed hard."""
+    radius = facts.amount("cam_least_radius")
+    if radius is not None and radius.value < SHARP:
+        yield Hit(radius)
+
+
 def law_alone(facts: CaseFacts) -> Hits:
     """A lift law without a spring or a train."""
     if not facts.runs:
@@ -201,6 +208,8 @@ def other_height(facts: CaseFacts) -> Hits:
 
 
 BIND = ("coil_bind_clearance",)
+#: Radius (m) below which a cam is called sharp.
+SHARP = 2e-3
 RULES = (
     Rule("Q111", "decides", "the lash takes {value} of the lobe, above its ramp of {limit}", high_lash,
          ("cam_ramp_lift",), "the valve strikes its seat", "make the ramp higher or the lash smaller", mark="warn"),
@@ -218,6 +227,8 @@ RULES = (
          "valvetrain {next} {case}", mark="ok", unless=("Q111", "Q112", "Q113", "Q116")),
     Rule("Q102", "decides", "a {kind} lift law alone", law_alone, (), "nothing to run without a spring or a train",
          mark=""),
+    Rule("Q118", "warns", "the cam's least radius is {value}: so sharp a nose is pressed hard", sharp, ("cam_least_radius",),
+         step="set train.cam.base_radius larger", remark="of the cam: sharp, pressed hard"),
     Rule("Q120", "notes", "coil bind of {spring} is not checked: no solid height is known", unchecked, BIND,
          remark="not known of {spring}"),
     Rule("Q124", "warns", SOLID, wound, WOUND, step=STATE, remark=MAY, guide="how-to/05-coil-bind.md"),

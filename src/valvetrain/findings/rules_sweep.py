@@ -99,7 +99,8 @@ def _first(facts: Facts) -> Loss | None:
     """The loss that decides: the first one of the label that loses control first."""
     if not (facts.searched and facts.train):
         return None
-    return next(iter(facts.control(facts.first_label).losses), None)
+    control = facts.control(facts.first_label)
+    return next((one for one in control.losses if one.begin <= control.limit), None)
 
 
 def _lost(facts: Facts, beyond: bool) -> Hits:
@@ -110,10 +111,11 @@ def _lost(facts: Facts, beyond: bool) -> Hits:
     spread, half = range_of(row)
     margin = abs(facts.red_line - loss.begin)
     angle = row.cam_angle if loss.at_onset else math.nan
+    both = row.both_motions
     yield Hit(Amount(SPEED, loss.begin, half), None, facts.red_line if math.isfinite(margin) else None, {
         "does": does(row), "speed": f"about {rounded(row, loss.begin, half)} rpm", "cause": why(facts, loss),
         "short": f"{about(margin, half)} rpm" if math.isfinite(margin) else "", "round": rounded(row, loss.begin, half),
-        "label": row.label if len(facts.lead_labels) > 1 else "",
+        "label": row.label if len(facts.lead_labels) > 1 else "", "falling": "" if both is None else f"{about(both[0])} rpm",
         "angle": Amount("loft_cam_angle", angle) if math.isfinite(angle) else "", **spread,
     })  # fmt: skip
 
@@ -142,8 +144,22 @@ def never_held(facts: Facts) -> Hits:
         yield Hit(Amount(SPEED, first), None, None, fields)
 
 
+def unknown_from(facts: Facts) -> Hits:
+    """Control is kept up to a speed, and of higher ones the runs say nothing: ends of the spring would pull."""
+    if facts.searched and facts.train and math.isfinite(facts.control(facts.first_label).silent):
+        control = facts.control(facts.first_label)
+        speed, lost = control.silent, next(iter(control.losses), None)
+        short = facts.red_line - speed
+        fields: Fields = {
+            "speed": f"about {about(speed)} rpm", "short": f"{about(short)} rpm" if 0 < short < math.inf else "",
+            "label": facts.first_label if len(facts.lead_labels) > 1 else "",
+            "does": "" if lost is None else does(lost.row), "lost": "" if lost is None else f"{about(lost.begin)} rpm",
+        }  # fmt: skip
+        yield Hit(Amount(SPEED, speed), None, None, fields)
+
+
 def _held(facts: Facts, whole: bool) -> Hits:
-    if facts.searched and facts.train and _first(facts) is None:
+    if facts.searched and facts.train and not math.isfinite(facts.control(facts.first_label).limit):
         last = max(one.last_engine_speed for one in facts.study.critical_speeds)
         red = facts.study.record.red_line or last
         if (round((red - last) / RPM) <= 0) is not whole:
@@ -413,7 +429,7 @@ def _stresses(facts: Facts, name: str, of_least: float, of_most: float) -> dict[
     return found
 
 
-LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
+LOSS = "{does} at {speed}[, {short} short of the red line][, by falling speed from {falling} on][ ({label})]"
 RANGE = "[range {range} rpm by {over}]"
 WHY = "[{cause}][, at {angle}][, up to {size} at {there}]"
 #: Rules on what is lost over speed: code -> kind of critical speed.
@@ -436,6 +452,8 @@ RULES = (
          "[{least} left on the cam][ {at}]", COMPARE, mark="ok", unless=("D10",)),
     Rule("W105", "decides", "in control to {speed}, where the search ends, {short} below the red line", held_to_its_end, CONTACT,
          "[{least} left on the cam][ {at}]", "valvetrain sweep {case} --rpm '{reach}'", mark="", unless=("D10",)),
+    Rule("W106", "decides", "in control to {speed}[, {short} short of the red line][ ({label})]; beyond, ends of the spring would lift", unknown_from,
+         CONTACT, "[it {does} from {lost} on]", "valvetrain sweep {case} --model wave-rod", mark="warn", unless=("D10",)),
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
@@ -444,6 +462,6 @@ RULES = (
            guide=DROPS, unless=("D10",)) for code, kind in LOST_AT.items()),
     Rule("W115", "notes", "other models: {said}", by_others),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
-         two_motions),
+         two_motions, remark="rising speed keeps control, falling speed does not regain it"),
     Rule("W113", "notes", "{said}", unlike, unless=("D10",)),
 )  # fmt: skip

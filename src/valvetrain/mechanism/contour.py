@@ -228,10 +228,11 @@ def check_flat(table: Array) -> None:
     radius = curvature_radius_flat(table)
     worst = int(np.argmin(radius))
     if radius[worst] <= 0:
+        least = float(np.min(table[:, 0]) - radius[worst])
         raise InputError(
             f"a flat follower needs a cam with a cusp near cam angle {worst * 360 / len(table):.1f} deg (radius "
-            f"{radius[worst] * 1e3:.2f} mm); "
-            f"enlarge the base circle, soften that flank or use a roller{_unusual_lift(table)}"
+            f"{radius[worst] * 1e3:.2f} mm); set train.cam.base_radius above {least * 1e3:.1f} mm, "
+            f"soften that flank or use a roller{_unusual_lift(table)}"
         )
 
 

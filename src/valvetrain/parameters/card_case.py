@@ -58,41 +58,41 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
     _complete(given)
     text = template_text(kind, kind in CARDS)
     for name in _left_out(given):
-        text = _written(text, QUESTIONS[name].path, None)
+        text = with_value(text, QUESTIONS[name].path, None)
     lobe = ("lift_law", "lobe_lift")
     if lift := _held(text, lobe):
-        text = _written(text, lobe, None if "lift" in given else _assumed(lift))
+        text = with_value(text, lobe, None if "lift" in given else _assumed(lift))
     for name, (one, _) in asked.items():
         if name not in given:
             if value := _held(text, one.path):
-                text = _written(text, one.path, _assumed(value))
+                text = with_value(text, one.path, _assumed(value))
             continue
         value, parts = given[name], given[name].split("+")
         if len(parts) > 1:
             kilograms = sum(parse_quantity(part, "mass", flag(name)) for part in parts)
             value = f"{kilograms * 1e3:.6g} g"
-        text = _written(text, one.path, value, given[name] if len(parts) > 1 else "")
+        text = with_value(text, one.path, value, given[name] if len(parts) > 1 else "")
     if not given.keys() & {"spring_mass", "wire"} and given.keys() & set(_SPRING_CARD):
         mass = _held(text, QUESTIONS["spring_mass"].path) or QUESTIONS["spring_mass"].default
-        text = _written(text, QUESTIONS["spring_mass"].path, _assumed(mass))
+        text = with_value(text, QUESTIONS["spring_mass"].path, _assumed(mass))
     for table in _NO_CARD:
         path = Question(table, "", "").path
         values = _at(parse_toml(text, "case"), path) or {}
         answered = [QUESTIONS[name].path[-1] for name in given if QUESTIONS[name].path[:-1] == path]
         if values and not answered:
-            text = _written(text, (*path, "status"), "assumed")
+            text = with_value(text, (*path, "status"), "assumed")
         for key in [
             one
             for one in values
             if answered and one not in answered and isinstance(values[one], str)
         ]:
-            text = _written(text, (*path, key), _assumed(values[key]))
+            text = with_value(text, (*path, key), _assumed(values[key]))
     if "red_line" in given:
         (top,) = parse_quantities(given["red_line"], "angular speed", flag("red_line"))
         speeds = f"{top * 15 / 3.141592653589793:.0f}, {top * 30 / 3.141592653589793:.0f} rpm"
-        text = _written(text, ("operation", "engine_speeds"), speeds)
+        text = with_value(text, ("operation", "engine_speeds"), speeds)
     if title:
-        text = _written(text, ("title",), title)
+        text = with_value(text, ("title",), title)
     train = _checked(text)
     lever, rod = train.lever, train.pushrod
     if "pushrod_length" in given and lever and lever.drive_angle and rod and rod.length:
@@ -103,14 +103,14 @@ def card_case_text(kind: str, answers: Mapping[str, str], title: str = "") -> st
         aside = lever.pivot[0] + across - rod.lower_end[0]
         height = rod.lower_end[1] + sqrt(max(rod.length**2 - aside**2, 0.0)) - up
         pivot = f"{lever.pivot[0] * 1e3:.6g}, {height * 1e3:.6g} mm"
-        text = _written(text, ("train", "lever", "pivot"), pivot)
+        text = with_value(text, ("train", "lever", "pivot"), pivot)
     if lever and "rocker_stiffness" in given:
-        text = _written(text, ("train", "lever", "damping"), _assumed(_LEVER_DAMPING))
+        text = with_value(text, ("train", "lever", "damping"), _assumed(_LEVER_DAMPING))
     if lever and "rocker_mass" in given and "rocker_inertia" not in given:
         back = 0.0 if kind == "finger" else lever.drive_arm  # a finger turns about its end
         square = (back**2 - back * lever.valve_arm + lever.valve_arm**2) / 3
         inertia = _assumed(f"{lever.mass * square * 1e6:.3g} kg mm^2")
-        text = _written(text, QUESTIONS["rocker_inertia"].path, inertia)
+        text = with_value(text, QUESTIONS["rocker_inertia"].path, inertia)
     return text
 
 
@@ -176,7 +176,7 @@ def _assumed(value: str) -> dict[str, str]:
     return {"value": value, "status": "assumed"}
 
 
-def _written(text: str, path: tuple[str | int, ...], value: Any, comment: str = "") -> str:
+def with_value(text: str, path: tuple[str | int, ...], value: Any, comment: str = "") -> str:
     """The text of a template with the value at ``path`` on its line, and a comment where it has one; None removes the line."""
     lines, there = text.splitlines(True), _at(parse_toml(text, "case"), path) is not None
     line = find_line(text, path)

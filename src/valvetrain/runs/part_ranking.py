@@ -20,7 +20,7 @@ from valvetrain.runs.requests import Parts, Watch
 from valvetrain.runs.run import sweep_study
 from valvetrain.runs.train_runs import preloads, prepare_trains, train_point
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.critical import CriticalSpeeds, silent_from
 from valvetrain.solution.part_ranking import PartChange, PartRanking
 from valvetrain.solution.status import PartialFailures, reason
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -365,17 +365,23 @@ def _change(part: Part, ranking: PartRanking, before: Limits, after: Limits) -> 
 
 def limits_of(found: CriticalSpeeds) -> Limits:
     """Up to which engine speed (rad/s) a train is controlled, and with each thing changed of which a range of critical speeds
-    is made: least and largest, 0 where it is not at the first speed, infinite where it always is.
+    is made: least and largest, 0 where it is not at the first speed, infinite where it always is. The least one ends where
+    runs say nothing of control.
     """
     rows = [one for one, _ in found.limiting()]
     own = [lost[0].lower_engine_speed if lost else math.inf for _, lost in found.limiting()]
-    limits = {NOMINAL: (min(own, default=math.inf),) * 2}
+    nominal, silent = (
+        min(own, default=math.inf),
+        min((one.silent_speed for one in rows), default=math.inf),
+    )
+    limits = {NOMINAL: (min(nominal, silent), nominal)}
     keys = {(each.cause, each.change): None for one in rows for each in one.members if not each.refusal}  # fmt: skip
     for key in keys:
         pairs = []
         for row, speed in zip(rows, own, strict=True):
-            members = (each for each in row.members if (each.cause, each.change) == key)
+            members = [each for each in row.members if (each.cause, each.change) == key]
             roots = [each.engine_speed for each in members] or [speed]
-            pairs.append((min(roots), max(roots)))
+            known = [silent_from(each.pulled) for each in members]
+            pairs.append((min((*roots, *known)), max(roots)))
         limits[key] = min(low for low, _ in pairs), min(high for _, high in pairs)
     return limits

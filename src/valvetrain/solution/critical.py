@@ -5,7 +5,7 @@ step and mesh, and kind of onset.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -153,6 +153,11 @@ class CriticalSpeed:
         return self.short_count if self.short_count < len(self.ranges) else 0
 
     @property
+    def silent_speed(self) -> float:
+        """Speed (rad/s) below the loss from which runs say nothing of control for more than a short range; infinite for none."""
+        return silent_from(self.pulled, min(self.deciding_speed, self.last_engine_speed))
+
+    @property
     def both_motions(self) -> tuple[float, float] | None:
         """Engine speeds (rad/s) between which control is kept where the speed rises and is not regained where
         it falls; None of a range that is narrow or was not followed.
@@ -277,6 +282,19 @@ class CriticalSpeed:
         )
         parts = (speed, ONSETS.get(self.onset), place, self.pulled_text, self.refused_text)
         return ", ".join(filter(None, parts))
+
+
+def silent_from(pulled: Iterable[SpeedBracket], last: float = math.inf) -> float:
+    """Begin (rad/s) of the first of the ranges in which ends of springs would pull that is no short one, or that reaches
+    ``last``; infinite for none.
+    """
+    begins = (
+        one.lower_engine_speed
+        for one in pulled
+        if one.upper_engine_speed - one.lower_engine_speed > NARROW * one.lower_engine_speed
+        or one.upper_engine_speed >= last
+    )
+    return min(begins, default=math.inf)
 
 
 def places_text(*places: str) -> str:

@@ -100,7 +100,10 @@ class CaseAnswer(ShownByRules):
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
         by_turns = wound_text(self.facts.amount, self.words)
         texts.append(("by wire and turns", by_turns, "to coil bind at full lift"))
-        texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
+        pressed = (one.remark for one in self.findings.by("Q118"))
+        texts.append(
+            ("least radius", amounts.get("cam_least_radius", ""), next(pressed, "of the cam"))
+        )
         ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
         texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
         height = "1_mm" if self.words.units == "si" else "50_thou"
@@ -120,7 +123,9 @@ class CaseAnswer(ShownByRules):
             cells = (*[""] * (len(self.headings) - 1), cells)
         if label in TO_BIND:
             return bind_line(label, cells, note, self.findings, self.words, self.facts.left)
-        mark: Mark = "warn" if self.facts.short and label.startswith("needed") else ""
+        short = self.facts.short and label.startswith("needed")
+        sharp = label == "least radius" and self.findings.by("Q118")
+        mark: Mark = "warn" if short or sharp else ""
         return Line(label, cells, mark, note)
 
     def _ramp_left(self) -> str:

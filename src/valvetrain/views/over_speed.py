@@ -34,7 +34,7 @@ LOST = {
     "float": ("floats", "#8c2d6b", "W122"),
     "bounce": ("bounces", "#d08a00", "W123"),
 }
-HELD = "in control"
+HELD, SILENT = "in control", "#8a8f98"
 #: Cam orders of the map, from the first that a valve spring answers to.
 ORDERS = range(3, 31)
 Spans = list[tuple[float, float]]
@@ -83,6 +83,8 @@ def bars(facts: Facts) -> list[Bar]:
     for kind, (word, colour, code) in LOST.items():
         spans = _within(facts, label, kind, first, last)
         found.append(Bar(word, spans, "bad" if kind == "contact-loss" else "warn", colour, code))
+    found.append(Bar("not known", _unknown(facts, label), "warn", SILENT, "W114"))
+    found.append(Bar("either", _either(facts, label), "warn", SILENT, "W112"))
     return [one for one in found if one.spans or one.word == HELD]
 
 
@@ -99,9 +101,22 @@ def _within(facts: Facts, label: str, kind: str, first: float, last: float) -> S
     ]
 
 
+def _either(facts: Facts, label: str) -> Spans:
+    """Where control is kept by the motion of a rising speed and lost by that of a falling one."""
+    contact = facts.control(label).contact
+    both = None if contact is None else contact.both_motions
+    return [] if both is None else [both]
+
+
+def _unknown(facts: Facts, label: str) -> Spans:
+    spans = facts.control(label).unknown
+    return [(one.lower_engine_speed, one.upper_engine_speed) for one in spans]
+
+
 def _free(facts: Facts, label: str, first: float, last: float) -> Spans:
-    """What no loss takes of the speeds searched."""
-    lost = sorted(span for kind in LOST for span in _within(facts, label, kind, first, last))
+    """What no loss takes of the speeds searched, by the only motion that there is."""
+    spans = (span for kind in LOST for span in _within(facts, label, kind, first, last))
+    lost = sorted((*spans, *_unknown(facts, label), *_either(facts, label)))
     found, edge = Spans(), first
     for low, high in lost:
         if low > edge:
