@@ -149,14 +149,20 @@ def test_the_verdict_names_the_strongest_order_in_use_of_each_spring():
 def test_surge_halves_by_the_damping_of_its_mode():
     """Closed form: ln 2 / (2 pi f zeta); of two springs the widths at half power are 2 zeta each."""
     case, found = load_case(LS), findings_of(study("modes-pair")).by("N112")[0].fields
-    widths = 0.0
+    widths, surges = 0.0, []
     for spring, rest in zip(case.train.spring_parts(), study("modes-pair").rest, strict=True):
         surge = rest.modes.axial_frequencies[0]
         zeta = spring.damping.ratio_at(surge)
         half = study("modes-pair").still[f"{rest.spring}, {rest.model}"]["surge_half_duration"]
         assert half == pytest.approx(math.log(2) / (2 * math.pi * surge * zeta))
         widths += zeta
+        surges.append(surge)
     assert found["width"] == f"{100 * widths:.2g} %"
+    if "order" in found:  # both resonances at one speed: 120 f / order rpm
+        outer, inner = (
+            120 * one / int(found[key]) for one, key in zip(surges, ("order", "other"), strict=True)
+        )
+        assert outer == pytest.approx(inner, rel=widths)
     assert "order" in findings_of(study("modes-wire"))[0].fields
 
 

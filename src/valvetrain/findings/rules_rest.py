@@ -9,7 +9,7 @@ from valvetrain.findings.engine import Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import MAY, SOLID, STATE, WOUND
 from valvetrain.findings.springs_at_rest import State, pair_of, states_of
-from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
+from valvetrain.findings.words import RPM, Amount, about, digits_text, speed_text
 from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.modes import TrainModes
 
@@ -223,7 +223,9 @@ def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
 
 
 def apart(facts: Facts) -> Hits:
-    """By how much the surge of two nested springs differs, next to the width of their resonances at half power."""
+    """By how much the surge of two nested springs differs, and the speed at which strong cam orders shake both: their
+    resonances there are nearer than they are wide at half power.
+    """
     pair = pair_of(states_of(facts.study))
     halves = [one.values.get(HALF, math.nan) for one in pair.pair] if pair else []
     surges = [one.surge.value for one in pair.pair if one.surge] if pair else []
@@ -232,11 +234,18 @@ def apart(facts: Facts) -> Hits:
         width = sum(
             math.log(2) / (math.tau * one * half) for one, half in zip(surges, halves, strict=True)
         )
-        both = share < width
-        yield Hit(fields={
-            "apart": f"{100 * share:.2g} %", "width": f"{100 * width:.2g} %", "more": "less" if both else "more",
-            "whom": "both at once: detune one" if both else "one at a time",
-        })  # fmt: skip
+        outer, inner = (
+            [(speed_of(order, one), order) for order in strongest(facts, one, STRONG)]
+            for one in surges
+        )
+        distance, near = min(
+            (abs(one[0] / two[0] - 1), (one, two)) for one in outer for two in inner
+        )
+        fields: Fields = {"apart": f"{100 * share:.2g} %", "width": f"{100 * width:.2g} %"}
+        if distance < width:
+            (speed, order), (_, other) = near
+            fields |= {"speed": f"{about(speed)} rpm", "order": str(order), "other": str(other)}
+        yield Hit(fields=fields)
 
 
 def whole_train(facts: Facts) -> Hits:
@@ -245,10 +254,14 @@ def whole_train(facts: Facts) -> Hits:
         one, other = (
             Amount("surge_frequency", float(t.natural_frequency[0])) for t in (closed, lifted)
         )
-        yield Hit(other, fields={"closed": one, "moving": lifted.moving(0)})
+        yield Hit(
+            other, fields={"closed": one, "first": closed.moving(0), "moving": lifted.moving(0)}
+        )
 
 
 HALF = "surge_half_duration"
+#: How many of the strongest cam orders are compared between two nested springs.
+STRONG = 6
 LOADS = ("preload", "installed_rate")
 SURGE = ("surge_frequency",)
 BIND = ("coil_bind_clearance",)
@@ -279,7 +292,8 @@ MODES = (
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",
          step="valvetrain modes {case} --model modal-uniform"),
     Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
-    Rule("N112", "notes", "outer and inner surge {apart} apart, {more} than the {width} of their resonances: a speed shakes {whom}",
+    Rule("N112", "notes", "outer and inner surge {apart} apart, resonances are {width} wide"
+         "[: near {speed} cam order {order} shakes the outer and order {other} the inner at once]",
          apart, guide="how-to/06-nested-springs.md"),
-    Rule("N111", "notes", "train and springs as one: {closed} closed, {value} at full lift ({moving})", whole_train),
+    Rule("N111", "notes", "train and springs as one: {closed} closed ({first}), {value} at full lift ({moving})", whole_train),
 )  # fmt: skip
