@@ -14,6 +14,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.cli.case_facts import case_facts
+from valvetrain.errors import InputError
 from valvetrain.explore.new_command import write_template
 from valvetrain.parameters.card_case import card_case_text, questions_of
 from valvetrain.parameters.loading import load_case, parse_case
@@ -173,3 +174,21 @@ def test_a_cam_under_a_flat_face_has_room_for_its_nose(tmp_path, monkeypatch):
     assert 3e-3 <= least < 4.1e-3  # h + h'' under a flat face, a base circle of whole mm
     gentle = load_case(write_template("gentle", "direct", SPRING | {"lift": "6 mm"}))
     assert gentle.train.cam.base_radius == pytest.approx(18e-3)
+
+
+def test_a_card_that_no_cam_has_is_refused_before_the_case_is_written(tmp_path, monkeypatch):
+    """Contract: 288 degrees at 0.006 in, within the ramp of a lash of 0.016 in, were written with "next: run"."""
+    monkeypatch.chdir(tmp_path)
+    card = {
+        "lift": "0.630 in",
+        "duration": "248 deg",
+        "lash": "0.016 in",
+        "ratio": "1.6",
+        "advertised": "288 deg",
+    }
+    with pytest.raises(InputError) as refused:
+        write_template("solid", "pushrod", card)
+    assert refused.value.where == "--advertised" and not list(tmp_path.iterdir())
+    assert load_case(
+        write_template("solid", "pushrod", card | {"advertised_lift": "0.020 in"})
+    ).train

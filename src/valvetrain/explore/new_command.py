@@ -159,8 +159,19 @@ def write_template(name: str, kind: str, answers: Mapping[str, str] | None = Non
     if not answers:
         return _written(name, template_text(kind))
     from valvetrain.parameters.card_case import card_case_text
+    from valvetrain.parameters.loading import parse_case
+    from valvetrain.system.build import build
 
-    return _written(name, _with_room(card_case_text(kind, answers)))
+    text = _with_room(card_case_text(kind, answers))
+    try:
+        build(parse_case(text, where="the case")).must_run()
+    except InputError as error:
+        asked = [
+            word for word, one in QUESTIONS.items() if one.key.rpartition(".")[2] in error.reason
+        ]
+        where = flag(max(asked, key=len)) if asked else error.where
+        raise InputError(error.reason, where) from None
+    return _written(name, text)
 
 
 def _with_room(text: str) -> str:

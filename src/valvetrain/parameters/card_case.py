@@ -147,7 +147,7 @@ def _left_out(given: Mapping[str, str]) -> Iterator[str]:
         else:
             yield from ("wire", "outer_diameter")
     if given.keys() & {"lift", "duration"} and "advertised" not in given:
-        yield "advertised"
+        yield from ("advertised", "advertised_lift")
 
 
 def _checked(text: str) -> TrainParameters:

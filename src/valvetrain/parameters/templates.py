@@ -59,7 +59,9 @@ QUESTIONS: dict[str, Question] = {
     "duration": Question("lift_law.duration", "ANGLE", "crank degrees above the checking lift"),
     "checking_lift": Question("lift_law.duration_lift", "LENGTH", "lift at which the duration is given: 0.050 in or 1 mm, of the "
                               "tappet, or of the valve with a finger or rocker on the cam", "0.050 in"),
-    "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees, at 0.006 in of lift"),
+    "advertised": Question("lift_law.advertised_duration", "ANGLE", "advertised duration in crank degrees"),
+    "advertised_lift": Question("lift_law.advertised_lift", "LENGTH", "lift of the tappet at which it is advertised; of cams with lash "
+                                "often 0.020 in", "0.006 in"),
     "lobe_centre": Question("lift_law.lobe_centre", "ANGLE", "of an intake lobe, crank degrees after top dead centre"),
     "ratio": Question("lift_law.rocker_ratio", "RATIO", "arm of the valve over that of cam or pushrod", kinds=_LEVER),
     "lash": Question("lift_law.lash", "LENGTH", "lash at the valve; 0 with hydraulic lifters"),
