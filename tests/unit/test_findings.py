@@ -173,10 +173,11 @@ def test_parts_of_a_lobe_are_those_of_its_lift():
         cam_angles(run)[np.argmax(np.where(cam_angles(run) % TURN < nose % TURN, bend, 0))]
     )
     parts = {
-        at: lobe_part(facts, run, at) for at in (sum(law) / 2, nose + 0.1, nose + math.pi, flank)
+        at: lobe_part(facts, run, at)
+        for at in (sum(law) / 2, nose + 0.1, nose + math.pi, flank, nose - 0.4)
     }
     assert list(parts.values()) == [
-        "the closing ramp", "the nose", "the base circle", "the opening flank",
+        "the closing ramp", "the nose", "the base circle", "the opening flank", "the opening side of the nose",
     ]  # fmt: skip
 
 

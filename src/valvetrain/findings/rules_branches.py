@@ -25,6 +25,12 @@ class BranchFacts(Subject):
     branches: Branches
 
     @property
+    def reach(self) -> str:
+        """The speeds that were marched, in rpm as a command takes them."""
+        speeds = [one.engine_speed for one in self.branches.points]
+        return f"{speed_text(min(speeds), '')}-{speed_text(max(speeds))}" if speeds else ""
+
+    @property
     def spread(self) -> Amount:
         """By how much the quantity differs at most between revolutions, or rising and falling speed, at one speed."""
         values = dict[float, list[float]]()
@@ -76,7 +82,7 @@ def moves(*motions: str) -> Callable[[BranchFacts], Hits]:
 def two_motions(facts: BranchFacts) -> Hits:
     """Rising and falling speed show different motions."""
     if spans := facts.branches.hysteresis:
-        name = {"name": label_of(facts.branches.quantity)}
+        name = {"name": label_of(facts.branches.quantity), "reach": facts.reach}
         yield Hit(facts.spread, fields={"spans": spans_text(spans), **name})
 
 
@@ -86,13 +92,14 @@ def simple(facts: BranchFacts) -> Hits:
         all(one.motion == "period 1" for one in facts.branches.points)
         and not facts.branches.hysteresis
     ):
-        yield Hit()
+        yield Hit(fields={"reach": facts.reach})
 
 
 def alike(facts: BranchFacts) -> Hits:
     """Revolutions differ, but by less than matters to a valve."""
     if facts.alike:
-        yield Hit(facts.spread, None, facts.small, {"name": label_of(facts.branches.quantity)})
+        fields = {"name": label_of(facts.branches.quantity), "reach": facts.reach}
+        yield Hit(facts.spread, None, facts.small, fields)
 
 
 def cut(facts: BranchFacts) -> Hits:
@@ -107,7 +114,7 @@ def grazes(facts: BranchFacts) -> Hits:
         yield Hit(fields={"spans": spans_text(spans)})
 
 
-SWEEP, RUN = "[valvetrain sweep {case}]", "[valvetrain run {case} --rpm {first}]"
+SWEEP, RUN = "[valvetrain sweep {case} --rpm '{reach}']", "[valvetrain run {case} --rpm {first}]"
 BY = "{name} differs by up to {value}"
 RULES = (
     Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, step=SWEEP, mark="ok"),

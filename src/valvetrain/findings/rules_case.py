@@ -150,9 +150,8 @@ def short(facts: CaseFacts) -> Hits:
         )
 
 
-def ready(facts: CaseFacts) -> Hits:
-    """Everything that a run builds could be built, and nothing is in doubt."""
-    if facts.runs:
+def _ready(facts: CaseFacts, near: bool) -> Hits:
+    if facts.runs and (facts.left is not None and facts.left.value < NEAR_BIND) is near:
         moves = facts.parameters.lift_law is not None
         speeds = facts.parameters.operation.engine_speeds
         step = "run" if moves and speeds else "sweep" if moves else "static"
@@ -160,6 +159,16 @@ def ready(facts: CaseFacts) -> Hits:
         yield Hit(facts.left, fields={
             "next": step, "left": facts.left or "", "radius": radius or "",
         })  # fmt: skip
+
+
+def ready(facts: CaseFacts) -> Hits:
+    """Everything that a run builds could be built, and nothing is in doubt."""
+    return _ready(facts, near=False)
+
+
+def ready_but_near(facts: CaseFacts) -> Hits:
+    """Everything that a run builds could be built, and the springs come within a millimetre of coil bind."""
+    return _ready(facts, near=True)
 
 
 def sharp(facts: CaseFacts) -> Hits:
@@ -225,6 +234,8 @@ RULES = (
          "they need {closed} closed and {full} at full lift, or {rate}", "valvetrain sweep {case}", mark="warn"),
     Rule("Q101", "decides", "ready to run", ready, BIND, "[{left} left to coil bind][, least radius of the cam {radius}]",
          "valvetrain {next} {case}", mark="ok", unless=("Q111", "Q112", "Q113", "Q116")),
+    Rule("Q103", "decides", "ready to run, with only {left} left to coil bind", ready_but_near, BIND, "[least radius of the cam {radius}]",
+         "valvetrain {next} {case}", mark="warn", guide="how-to/05-coil-bind.md", unless=("Q111", "Q112", "Q113", "Q116")),
     Rule("Q102", "decides", "a {kind} lift law alone", law_alone, (), "nothing to run without a spring or a train",
          mark=""),
     Rule("Q118", "warns", "the cam's least radius is {value}: so sharp a nose is pressed hard", sharp, ("cam_least_radius",),

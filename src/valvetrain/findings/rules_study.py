@@ -177,7 +177,7 @@ def all_lose(facts: Facts) -> Hits:
         why = cause(lost[0], facts.losses(lost[0]))
         fields = _range(facts, lost, least, most) | {"cause": why}
         if not (least.resolved and most.resolved):
-            fields |= {"least": "", "limit": f"{LIMIT}, 0 N left on the cam"}
+            fields |= {"least": "", "limit": "how far it opens is not resolved"}
         yield Hit(most, None, 0.0, fields)
 
 
@@ -241,6 +241,11 @@ def _without_contact(facts: Facts, run: Solution) -> float:
     return next((one for one in values if math.isfinite(one)), 0.0)
 
 
+def _reach(facts: Facts) -> str:
+    """The speeds of a run-up in rpm as a command takes them."""
+    return f"{speed_text(min(facts.speeds), '')}-{speed_text(max(facts.speeds))}"
+
+
 def loses_running_up(facts: Facts) -> Hits:
     """The first revolution of a run-up in which the cam is left, up to the red line."""
     lost = _lost(facts)
@@ -251,6 +256,7 @@ def loses_running_up(facts: Facts) -> Hits:
         yield Hit(facts.amount(first, "loft_gap"), first, 0.0, {
             "speed": speed_text(first.engine_speed), "short": short,
             "gap": Amount("loft_gap", gap) if math.isfinite(gap) else "", "label": first.label if facts.several else "",
+            "reach": _reach(facts), "set": first.spring_set if facts.several else "",
         })  # fmt: skip
 
 
@@ -268,7 +274,7 @@ def _kept_running_up(facts: Facts, whole: bool) -> Hits:
         )
         fields: Fields = {
             "speed": speed_text(top), "least": least[0] or "", "there": speed_text(least[1].engine_speed),
-            "short": speed_text(short), "red": speed_text(red or top, ""),
+            "short": speed_text(short), "red": speed_text(red or top, ""), "reach": _reach(facts),
         }  # fmt: skip
         yield Hit(least[0], least[1], 0.0, fields)
 
@@ -292,12 +298,14 @@ FIRST = (
     Rule("R100", "decides", "nothing moves: the case names no engine speed", at_rest, mark="",
          step="valvetrain static {case}"),
 )  # fmt: skip
+#: The speeds of a run-up in steady motion, of the spring set that decides.
+AGAIN = "valvetrain sweep {case} --rpm '{reach}'[ --spring-set {set}]"
 RUN_UP = (
-    Rule("U101", "decides", "loses the cam from {speed} on[, {short} short of the red line]",
-         loses_running_up, (*CONTACT, "float_excess_lift"), "[at most {gap} off the cam][, {label}]", "valvetrain sweep {case}", "[from {speed}]",
+    Rule("U101", "decides", "[{label}: ]loses the cam from {speed} on[, {short} short of the red line]",
+         loses_running_up, (*CONTACT, "float_excess_lift"), "[at most {gap} off the cam]", AGAIN, "[from {speed}]",
          "how-to/02-power-drops.md"),
     Rule("U102", "decides", "in control up to {speed}", kept_running_up, CONTACT,
-         "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
+         "[at least {least} on the cam][, at {there}]", AGAIN, mark="ok"),
     Rule("U103", "decides", "in control to {speed}, where the run-up ends, {short} below the red line", kept_to_its_end, CONTACT,
          "[at least {least} on the cam][, at {there}]", "valvetrain run-up {case} --to '{red} rpm'", mark=""),
 )  # fmt: skip

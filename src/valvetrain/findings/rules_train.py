@@ -18,6 +18,8 @@ FLOAT = 50e-6
 #: Shares of the cam force of rigid parts, and of the spring force at full lift, below which a cam force is little: the
 #: second one of a valve that is lost to inertia, some 2.5 % of engine speed before.
 BARELY, SCARCE = 0.2, 0.05
+#: Angle (cam rad) about the middle of the nose that is called so without a side.
+TOP = math.radians(10)
 #: Said of a run that keeps contact by a little force, and of a loss that is no flight.
 NEAR, LIMIT = "near its limit", "at its limit"
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
@@ -75,7 +77,10 @@ def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
     if within("closing_ramp_begin", "closing_ramp_end"):
         return "the closing ramp"
     if within("rigid_nose_begin", "rigid_nose_end"):
-        return "the nose"
+        begin, end = (facts.value(run, f"rigid_nose_{one}_cam_angle") for one in ("begin", "end"))
+        past = (cam_angle - begin) % TURN - (end - begin) % TURN / 2
+        side = "closing" if past > 0 else "opening"
+        return f"the {side} side of the nose" if abs(past) > TOP else "the nose"
     if within("rigid_valve_lash_opening", "rigid_nose_begin"):
         return "the opening flank"
     if within("rigid_nose_end", "rigid_valve_lash_closing"):
