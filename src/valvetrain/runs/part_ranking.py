@@ -107,8 +107,8 @@ def parts_of(
         numbers = {key: value for key, (value, _) in values.items()}
         changed = replace(getattr(train, table), **numbers) if table else numbers.pop("lash")
         texts = (
-            f"""--set '{".".join(filter(None, ("train", table, key)))}="{to_unit(value, unit):.5g} {unit}"'"""
-            for key, (value, unit) in values.items()
+            _setting(".".join(filter(None, ("train", table, key))), *one)
+            for key, one in values.items()
         )
         return Part(name, price, train.replace(**{table or "lash": changed}), " ".join(texts))
 
@@ -147,6 +147,11 @@ def _length(metres: float, units: tuple[str, str]) -> str:
     return f"{to_unit(metres, units[1]):.2g} {units[1]}"
 
 
+def _setting(key: str, value: float, unit: str) -> str:
+    """The option of a command that gives a key of the case a value (SI)."""
+    return f"""--set '{key}="{to_unit(value, unit):.5g} {unit}"'"""
+
+
 def _springs(
     train: TrainParameters, spring_set: str, valve_lift: float, units: tuple[str, str]
 ) -> Iterator[Part]:
@@ -156,17 +161,30 @@ def _springs(
     def part(name: str, price: str, *changed: InstalledSpring) -> Part:
         return Part(name, price, train.replace(springs={**train.springs, spring_set: changed}))
 
+    def shimmed(name: str, price: str, shim: float) -> Part:
+        """Installed shorter by ``shim`` (m): springs by card by their preload and height, which a command takes."""
+        changed = [_shimmed(one, shim) for one in springs]
+        values = {
+            f"train.springs.{spring_set}.{place}.{key}": (getattr(one.card, key), unit)
+            for place, one in enumerate(changed)
+            for key, unit in zip(("preload", "installed_height"), units, strict=True)
+            if one.card is not None and getattr(one.card, key) is not None
+        }
+        by_card = all(one.card is not None for one in changed)
+        texts = [_setting(key, *one) for key, one in values.items()] if by_card else ()
+        return replace(part(name, price, *changed), setting=" ".join(texts))
+
     rate = sum(map(_rate, springs))
     for load in LOADS[units]:
         shim = load / rate
         price = f"cam wear and torque, {_length(shim, units)} nearer coil bind"
         name = f"seat load +{to_unit(load, units[0]):.0f} {units[0]}"
-        yield part(name, price, *(_shimmed(one, shim) for one in springs))
+        yield shimmed(name, price, shim)
     left = min((one.room for one in springs if one.room is not None), default=0.0) - valve_lift
     if (shim := left - COIL_BIND) > 0:
         name = f"{_length(COIL_BIND, units)} to coil bind"
         price = f"cam wear and torque, a shim of {_length(shim, units)}"
-        yield part(name, price, *(_shimmed(one, shim) for one in springs))
+        yield shimmed(name, price, shim)
     for factor, word, price in (
         (1 + TENTH, "stiffer", "cam wear and torque over the nose"),
         (1 - TENTH, "softer", ""),
