@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import valvetrain
 from valvetrain import InputError
 from valvetrain.explore.outputs import Outcome
-from valvetrain.explore.store import FILE, Store, computing_sources
+from valvetrain.explore.store import FILE, Store
 from valvetrain.solution.status import COMPLETED, Status
 
 FAILED = Status("refused", "the coils overlap; thin the wire")
@@ -87,21 +85,3 @@ def test_two_processes_do_not_work_on_one_store(tmp_path):
         with pytest.raises(InputError, match="another process"):
             Store(tmp_path)
     Store(tmp_path).close()
-
-
-def test_points_grow_stale_with_what_computes_and_not_with_pages_and_commands():
-    names = {
-        path.relative_to(Path(valvetrain.__file__).parent).as_posix()
-        for path in computing_sources()
-    }
-    assert {
-        "explore/evaluate.py",
-        "cosserat/step_kernels.py",
-        "runs/run.py",
-        "measured/sensor.py",
-    } <= names
-    assert not {
-        name for name in names if name.startswith(("cli/", "report/", "film/", "workbench/"))
-    }
-    shown = {"explore/study_answer.py", "explore/study_rules.py", "explore/command.py"}
-    assert not shown & names

@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 import platform
-import re
 from dataclasses import astuple
 from functools import cache
 from pathlib import Path
@@ -138,31 +137,9 @@ def _content(line: bytes) -> Any:
     return record if isinstance(record, list) and len(record) == 3 else None
 
 
-#: Folders that compute no point: a change there makes no stored point stale.
-_NOT_COMPUTING = (
-    "cli findings views validation workbench lift spring_card scan film rig compare_test".split()
-)
-_NOT_COMPUTING_FILES = re.compile(
-    r"(_(facts|rules|answer|command)|/(command|results|first_files))\.py$"
-)
-
-
-def computing_sources() -> list[Path]:
-    """Source files whose change can move the numbers of a point, in order."""
-    root = Path(__file__).parents[1]
-    return [
-        path
-        for path in sorted(root.rglob("*.py"))
-        if path.relative_to(root).parts[0] not in _NOT_COMPUTING
-        and not _NOT_COMPUTING_FILES.search(path.as_posix())
-    ]
-
-
 @cache
 def versions_digest() -> str:
-    """A digest of all that computes: source text, versions of Python and of the libraries, kind of
-    machine.
-    """
+    """A digest of all that may compute: the source text of the package, versions of Python and of the libraries, kind of machine."""
     origin = collect_provenance("", "")
     combined = hashlib.blake2b(digest_size=16)
     for text in (
@@ -172,6 +149,6 @@ def versions_digest() -> str:
         platform.machine(),
     ):
         combined.update(text.encode() + b"\0")
-    for path in computing_sources():
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         combined.update(path.read_bytes() + b"\0")
     return combined.hexdigest()
