@@ -62,15 +62,6 @@ search = { trials = 2, per_round = 2, local = 0.0 }
 
 
 @cache
-def slight() -> Optimum:
-    """The case is 1 % above the best design."""
-    return searched(
-        lambda x, y: {"height": 1.0 + 0.04 * (x - y) ** 2 + 0.04 * (x - 0.5) ** 2 + 0.02 * x},
-        local=0.0,
-    )
-
-
-@cache
 def front() -> Optimum:
     goals = [*LEAST, {"quantity": "other", "direction": "minimise"}]
     return searched(trough, 24, goals, method="nsga2", per_round=8)
@@ -120,8 +111,7 @@ CASES = {
     "O106": (lambda: by_another(lighter(), 0.5), lambda: by_another(lighter(), 0.95)),
     "O107": (lambda: barred(lighter(), 2.0), lambda: barred(lighter(), 0.001)),
     "O108": (light, lighter),
-    "O109": (lighter, slight),
-    "O110": (slight, lighter),
+    "O109": (lighter, light),
     "O120": (lambda: replace(lighter(), finished=False), lighter),
     "O121": (lambda: missing(lighter()), lambda: by_another(lighter(), 1.0)),
     "O122": (lambda: doubted("4.2 turns are few. Take more"), lighter),
@@ -129,7 +119,6 @@ CASES = {
     "O126": (lambda: barred(lighter(), 0.6), lambda: barred(lighter(), 0.3)),
     "O127": (runs, lighter),
     "O128": (lambda: searched(trough), lighter),
-    "O129": (lambda: by_another(lighter(), 0.95), lambda: missing(lighter())),
 }  # fmt: skip
 
 

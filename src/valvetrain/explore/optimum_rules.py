@@ -30,8 +30,6 @@ from valvetrain.solution.definition import label_of
 
 #: Values of the card of a design in addition to the varied ones: quantity -> name.
 CARD = {"card_preload": "seat load", "card_rate": "rate", "card_open_force": "open load"}
-#: Share of the case's own value below which a gain is slight.
-SLIGHT = 0.02
 #: Share of the best objective within which a design is as good, and share of its range over which such designs leave a
 #: quantity open.
 ALIKE, OPEN = 0.01, 0.1
@@ -92,18 +90,6 @@ class SearchFacts(Subject):
     def gain(self, trial: Trial, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""
         return float(case.costs[0] - trial.costs[0])
-
-    @property
-    def slight(self) -> float:
-        """By what share the best design is better than a case that meets every bound, where that is less than 2 %; else 0."""
-        best, case = self.best, self.result.case
-        before = abs(float(case.objectives[0]))
-        share = (
-            self.gain(best.trial, case) / before
-            if best is not None and case.feasible and before
-            else 1.0
-        )
-        return share if share < SLIGHT else 0.0
 
     def objective(self, trial: Trial, place: int = 0) -> Said:
         """An objective of a design."""
@@ -284,7 +270,7 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
         fields |= {
             "name": facts.goal.label, "before": facts.objective(result.case), "after": facts.objective(best.trial), "limits": limits,
             "hold": "limit" if len(active) > 1 else "limits", "worse": result.case.failure or worse[:1],
-            "most": "most" if result.plan.objectives[0].maximise else "least", "step": facts.step, "share": f"{100 * facts.slight:.2g} %",
+            "most": "most" if result.plan.objectives[0].maximise else "least", "step": facts.step,
         }  # fmt: skip
         yield Hit(fields=fields)
 
@@ -310,14 +296,6 @@ def other_model(facts: SearchFacts) -> Hits:
             if miss > 0:
                 off: Said = f"{100 * miss:.2g} %"
                 yield Hit(fields={"by": one.label, "bound": there.bound(place), "off": off}, severity=float(miss))  # fmt: skip
-
-
-def confirmed(facts: SearchFacts) -> Hits:
-    """Other models by which the best design meets every bound."""
-    for one in facts.result.confirmed:
-        if one.design.feasible and one.design.number:
-            after = facts.said(facts.goal, float(one.design.objectives[0]), one.design)
-            yield Hit(fields={"by": one.label, "name": facts.goal.label, "after": after})
 
 
 def doubtful(facts: SearchFacts) -> Hits:
@@ -370,10 +348,8 @@ RULES = (
          STEP, mark="warn", unless=("O106",)),
     Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.result.case.feasible), (),
          "the case misses {worse}", STEP, mark="ok"),
-    Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(lambda facts: not facts.slight), (), "[{limits} {hold} it]",
+    Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(lambda facts: True), (), "[{limits} {hold} it]",
          STEP, mark="ok", unless=("O106", "O107", "O108")),
-    Rule("O110", "decides", "the case is within {share} of the best", better(lambda facts: facts.slight), (),
-         "{name} {before:4}, at best {after:4}[; {limits} {hold} it]", STEP, mark="ok", unless=("O106", "O107", "O108")),
     Rule("O120", "warns", "the search was stopped after {count} trials", cut, step="start the command again to continue"),
     Rule("O121", "warns", "by {by} the best design [misses {bound} by {off}][cannot be computed: {why}]", other_model),
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
@@ -381,5 +357,4 @@ RULES = (
     Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
     Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
     Rule("O128", "warns", "designs as good within {share} have {ranges}", alike, remark="[{only} as good]", mark="", guide="optimisation.md"),
-    Rule("O129", "notes", "by {by} the best design has {name} {after:4} and meets every bound", confirmed, guide="optimisation.md"),
 )  # fmt: skip
