@@ -259,7 +259,7 @@ def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDAr
     if (
         name == facts.outputs[0]
         and "best" in facts.ends
-        and not (facts.within_bar or facts.over_speed or facts.tied)
+        and not (facts.within_bar or facts.over_speed)
     ):
         k = facts.worst_row(facts.ends["best"])
         star = {"color": OK, "size": 14, "symbol": "star"}

@@ -205,13 +205,6 @@ class StudyFacts(Subject):
             found |= {"case": int(places[0])} if len(places) else {}
         return found | {"worst" if sign else "largest": int(np.nanargmin(order))}
 
-    @cached_property
-    def tied(self) -> list[int]:
-        """Designs that share the best value of the first output; none where one alone has it."""
-        values = self.judged(self.outputs[0]) if "best" in self.ends else np.empty(0)
-        best = np.flatnonzero(values == values[self.ends["best"]]).tolist() if len(values) else []
-        return best if len(best) > 1 and not self.over_speed else []
-
     def bar(self, name: str) -> float:
         """The error bar of an output as a share of its value: the largest of those that were computed, 0 where none was."""
         bars = vars(self.table).get("error_bars", {})  # nothing is computed here

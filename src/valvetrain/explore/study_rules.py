@@ -131,25 +131,12 @@ def best_point(facts: StudyFacts) -> Hits:
         name, (best, *others) = facts.outputs[0], facts.ends.values()
         other = next((one for one in others if one != best and np.isfinite(facts.judged(name)[one])), best)  # fmt: skip
         values = facts.judged(name)
-        near = np.flatnonzero(np.abs(values - values[best]) <= ALIKE * abs(values[best]))
+        near = int(np.sum(np.abs(values - values[best]) <= ALIKE * abs(values[best]))) - 1
         yield Hit(facts.amount(name, values[best]), fields={
             **_chosen(facts, name, best, other),
             "end": at_end_of_range(facts, best),
-            "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if facts.listed or len(facts.along) == 1 else "",
+            "near": f"{near} more" if near else "",
         })  # fmt: skip
-
-
-def tie(facts: StudyFacts) -> Hits:
-    """Several chosen points have the best value of the output."""
-    for design in facts.tied[:1]:
-        name, last = facts.outputs[0], facts.label(facts.tied[-1])
-        fields: Fields = {
-            "name": label_of(name),
-            "point": facts.label(design),
-            "last": last,
-            "count": str(len(facts.tied)),
-        }
-        yield Hit(facts.amount(name, facts.judged(name)[design]), fields=fields)
 
 
 def price(facts: StudyFacts) -> Hits:
@@ -242,13 +229,11 @@ RULES = (
          unless=("J12", "J134")),
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
-    Rule("J115", "decides", "{count} points tie by {name}, all {value:4}", tie, (), "{point} to {last}",
-         "put an output first that tells them apart", mark="", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
          "[{value:4}][ at {clearance} of clearance][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
          mark="ok", unless=("J11", "J12", "J134")),
     Rule("J114", "warns", "{name} is worse there: {value:3}, {reference:3} with {other}", price,
-         unless=("J111", "J115", "J12", "J134")),
+         unless=("J111", "J12", "J134")),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
          "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
     Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),
