@@ -76,7 +76,7 @@ class StudyAnswer(ExploreAnswer):
             label = label_of(name)
             over = FigureSpec(
                 f"{label[:1].upper()}{label[1:]}",
-                "dashed: the first point" if facts.listed else "",
+                "",
                 partial(_over, name=name),
             )
             effects = FigureSpec(
@@ -229,12 +229,13 @@ def _values(facts: StudyFacts, name: str) -> Array:
 
 
 def _over(facts: StudyFacts, name: str) -> go.Figure | None:
-    """An output at the points of a list, over two quantities of a grid as colour, else over the quantity that moves it most."""
+    """An output at the points of a list, over two quantities of a grid as colour, else over the quantity that moves it most.
+
+    Points of a list are in their order, each with its name.
+    """
     table, y, speeds = facts.table, _values(facts, name), len(facts.designs[0])
     if np.count_nonzero(np.isfinite(y)) < 2 or not facts.changing:
         return None
-    if facts.listed:
-        return _points(facts, name)
     if table.plan.sampler.word == "grid" and len(facts.changing) == 2 and (speeds > LINES or len(facts.along) == 2):  # fmt: skip
         return _map(facts, name)
     order = [one.varied for one in facts.effects(name)] or [table.plan.varied[facts.changing[0]]]
@@ -242,7 +243,9 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
     varied = next((one for one in order if one in wanted), wanted[0])
     close = facts.clearance if facts.clearance != name else ""
     x = _values(facts, close) if close else table.column(varied.name) * varied.shown(1.0)
-    fig = go.Figure()
+    fig, title = go.Figure(), _axis(close) if close else varied.axis_label
+    if facts.listed:
+        x, title = np.repeat(np.arange(len(facts.draws)), len(table.plan.runs)) + 1.0, "point"
     lines = facts.chosen and len(facts.along or facts.changing) == 1
     for place, (label, rows) in enumerate(_series(facts).items()):
         rows = rows[np.argsort(x[rows], kind="stable")][:: max(1, len(rows) // DOTS)]
@@ -251,7 +254,11 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
             marker={"color": SPEEDS[place % len(SPEEDS)], "size": 7 if lines else 4}, showlegend=bool(label), hovertemplate="%{y:.4~g}",
         ))  # fmt: skip
     _mark(fig, facts, name, x, y)
-    return styled(fig, _axis(close) if close else varied.axis_label, (_axis(name),), 400)
+    styled(fig, title, (_axis(name),), 400)
+    if facts.listed and len(facts.designs) == len(facts.draws) <= POINTS:
+        names = [_short(facts.label(k), k) for k in range(len(facts.designs))]
+        fig.update_xaxes(tickvals=np.unique(x), ticktext=names, automargin=True)
+    return fig
 
 
 def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDArray[Any]) -> None:
@@ -273,23 +280,6 @@ def _series(facts: StudyFacts) -> dict[str, NDArray[np.intp]]:
         speeds = table.column("engine_speed")
         return {speed_text(one): np.flatnonzero(speeds == one) for one in np.unique(speeds)}
     return {run.label * (count > 1): table.rows_of(run) for run in table.plan.runs}
-
-
-def _points(facts: StudyFacts, name: str) -> go.Figure | None:
-    """The value at every point of a list, a dot for each run."""
-    table, count = facts.table, len(facts.draws)
-    if not 2 <= count <= POINTS or len(facts.designs) != count:
-        return None
-    names, values = [_short(facts.label(k), k) for k in range(count)], _values(facts, name)
-    fig = go.Figure([
-        go.Scatter(x=values[table.rows_of(run)], y=names, mode="markers", name=run.label, showlegend=len(table.plan.runs) > 1,
-                   marker={"color": SPEEDS[place % len(SPEEDS)], "size": 11}, hovertemplate="%{x:.4~g}")
-        for place, run in enumerate(table.plan.runs)
-    ])  # fmt: skip
-    _mark(fig, facts, name, values, np.repeat(names, len(table.plan.runs)))
-    if np.isfinite(values[0]):
-        fig.add_vline(float(values[0]), line={"color": OTHER, "width": 1, "dash": "dash"})
-    return named_rows(fig, _axis(name), names)
 
 
 def _short(label: str, place: int) -> str:

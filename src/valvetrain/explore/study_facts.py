@@ -26,8 +26,8 @@ STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "open_nominal
 PUT_IN = ("preload", "installed_", "coil_bind_clearance", *BY_SIZE)
 #: What a spring has to press with anyway is asked of last: what goes wrong with it comes before.
 FORCES, CLEARANCE = ("peak_spring_force", "minimum_spring_force"), "coil_bind_clearance"
-#: Standard deviations of a 95 % interval, and spread over the size of the mean below which nothing varies.
-SIGMAS, NO_SPREAD = 1.96, 1e-9
+#: Spread over the size of the mean below which nothing varies.
+NO_SPREAD = 1e-9
 PERCENTILES = (5.0, 50.0, 95.0)
 
 
@@ -239,6 +239,8 @@ class StudyFacts(Subject):
         """What each varied quantity does to an output, the largest share first: by Sobol indices where there are some, else
         by the squared correlation of ranks with its interval by Fisher's transformation; none of a list.
         """
+        from scipy.stats import pearsonr, rankdata
+
         table, rows, made = self.table, self.table.rows_of(self.run), list[Effect]()
         there = np.isfinite(self.column(name)[rows])
         y = self.column(name)[rows][there]
@@ -248,15 +250,11 @@ class StudyFacts(Subject):
         sobol = [one for one in table.sensitivities if (one.output, one.run) == (name, self.run)]
         for k in self.changing:
             x = table.inputs[rows][there, k]
-            ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (x, y)]
-            both = np.cov(x, y)
-            with np.errstate(
-                invalid="ignore"
-            ):  # of a stopped study a quantity may not have moved yet
-                r = float(np.nan_to_num(np.atleast_2d(np.corrcoef(ranks))[0, 1]))
-                change = float(np.nan_to_num(both[0, 1] / both[0, 0]) * np.ptp(x))
-            half = SIGMAS / np.sqrt(len(y) - 3)
-            ends = np.tanh(np.arctanh(np.clip(r, -0.999999, 0.999999)) + np.array([-half, half]))
+            if not np.ptp(x) > 0:  # of a stopped study a quantity may not have moved yet
+                continue
+            ranks = pearsonr(rankdata(x, "dense"), rankdata(y, "dense"))
+            r, ends = float(ranks.statistic), np.array(ranks.confidence_interval())
+            change = float(np.polyfit(x - x.mean(), y, 1)[0] * np.ptp(x))
             rises = int(np.sign(r)) if ends[0] * ends[1] > 0 else 0
             low, high = np.sort(ends**2).tolist()
             one = Effect(table.plan.varied[k], r * r, low if rises else 0.0, high, rises, change)
