@@ -20,10 +20,11 @@ from architecture.layout import PACKAGE
 from study_parts import identification_plan
 from valvetrain.cli.main import app
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.evaluate import Point, evaluate_case
+from valvetrain.explore.evaluate import evaluate_case
 from valvetrain.explore.execution import Execution
 from valvetrain.explore.identify import run_identification
 from valvetrain.explore.observe import numbers_of
+from valvetrain.explore.outputs import Run
 from valvetrain.explore.store import FILE as STORED
 from valvetrain.quantities.request import PointRequest
 
@@ -93,7 +94,7 @@ def test_the_quick_numbers_at_rest_are_those_of_a_run(folder: Path) -> None:
     request = identification_plan(FILE.format(method="nested") + seat, "card", folder)
     case = vary(request.case, dict(zip(request.unknowns, (31e3, 0.044), strict=True)))
     whole = evaluate_case(
-        case, Point(case, request=PointRequest(("preload", "mode_1_frequency"), "wave-rod"))
+        case, Run(), PointRequest(("preload", "mode_1_frequency"), "wave-rod")
     ).values
     for station in dict.fromkeys(
         one.station for one in request.fitted.targets if one.kind == "quantity"

@@ -12,7 +12,8 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain import registry
-from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.explore.evaluate import PointRequest, evaluate
+from valvetrain.explore.outputs import Run
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import library_names, parse_case
 from valvetrain.parameters.templates import CARDS, KINDS, template_text
@@ -95,5 +96,5 @@ def test_the_command_and_a_study_give_the_loads_of_the_card(kind, tmp_path, monk
         found = [one["force"]["value"] for one in rest["points"]]
         assert found == pytest.approx(list(loads(spring).values()), rel=1e-9)
         request = PointRequest(("preload",), rest_model=model)
-        outcome = evaluate(Point(CASES[f"{kind} by cards"], request=request))
+        outcome = evaluate(CASES[f"{kind} by cards"], {}, Run(), request)
         assert outcome.values["preload"] == pytest.approx(spring.card.preload, rel=1e-9)

@@ -10,7 +10,7 @@ import pytest
 import valvetrain as vt
 from fact_parts import with_code
 from valvetrain.errors import InputError
-from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.explore.evaluate import PointRequest, evaluate
 from valvetrain.explore.outputs import Run
 from valvetrain.springs import chain_from_rod
 from valvetrain.springs.finite_element import equilibrium_at
@@ -78,8 +78,8 @@ def test_a_chain_whose_rod_cannot_be_had_runs_by_no_formula(monkeypatch, error, 
     assert run.status.code == "refused" and "the rod refuses" in run.status.message
     assert "peak_spring_force" not in run.quantities
     request = PointRequest(("peak_spring_force",))
-    point = Point(case.parameters, (), Run(200.0, "multi-mass"), request=request)
-    assert not evaluate(point).status.completed
+    point = evaluate(case.parameters, {}, Run(200.0, "multi-mass"), request)
+    assert not point.status.completed
     chain_from_rod._reference.cache_clear()
 
 

@@ -14,7 +14,7 @@ import valvetrain as vt
 from fact_parts import with_code
 from spring_shapes import cylindrical
 from valvetrain.errors import InputError
-from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.explore.evaluate import PointRequest, evaluate
 from valvetrain.explore.outputs import Run
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import parse_case
@@ -84,8 +84,8 @@ def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_ref
     (run,) = vt.simulate(case, "2000 rpm", models="reduced-rod", workers=1).solutions
     assert run.status.code == "refused" and "too few equilibria" in run.status.message
     # A table of points has no facts: a point is by the model of its neighbours or is none.
-    point = Point(case, (), Run(200.0), request=PointRequest(("peak_spring_force",)))
-    outcome = evaluate(point)
+    request = PointRequest(("peak_spring_force",))
+    outcome = evaluate(case, {}, Run(200.0), request)
     assert outcome.status.code == "refused" and "too few equilibria" in outcome.status.message
     assert not outcome.values
 

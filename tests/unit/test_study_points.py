@@ -16,7 +16,7 @@ from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.distributions import LogNormal, Normal, Uniform, Values
 from valvetrain.explore.engine import Evaluation
-from valvetrain.explore.evaluate import Point, evaluate
+from valvetrain.explore.evaluate import evaluate
 from valvetrain.explore.outputs import Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.study_facts import StudyFacts
@@ -197,10 +197,10 @@ def test_what_stands_in_the_case_is_found_in_whatever_form():
             nominal(BEEHIVE, Varied(key, "mm"))
 
 
-def point(case, model, engine_speed, outputs=(), values=(), spring_set="", rest_model=""):
-    return Point(
+def numbers(case, model, engine_speed, outputs=(), values=(), spring_set="", rest_model=""):
+    return evaluate(
         case,
-        tuple(values),
+        dict(values),
         Run(engine_speed, model, spring_set),
         PointRequest(tuple(outputs), rest_model),
     )
@@ -214,13 +214,13 @@ def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
     )
     run = simulate(vary(BEEHIVE, dict(values)), 6000 * RPM, models=[model])
     (solution,) = run.solutions
-    every = evaluate(point(BEEHIVE, model, 6000 * RPM, values=values))
+    every = numbers(BEEHIVE, model, 6000 * RPM, values=values)
     assert every.status == solution.status
     assert {name: every.values.get(name) for name in solution.quantities} == dict(
         solution.quantities
     )
     assert {name: every.values.get(name) for name in run.still[""]} == run.still[""]
-    few = evaluate(point(BEEHIVE, model, 6000 * RPM, sorted(LIGHT), values))
+    few = numbers(BEEHIVE, model, 6000 * RPM, sorted(LIGHT), values)
     asked = {name: value for name, value in solution.quantities.items() if name in LIGHT}
     assert few.values == asked and len(asked) > 10
 
@@ -229,7 +229,7 @@ def test_a_point_has_the_bits_of_a_run_of_the_varied_case(model):
 def test_a_point_of_a_train_has_the_bits_of_its_run(chosen):
     case, model = load_case("tdi-pushrod"), "massless"
     (solution,) = simulate(case, 5000 * RPM, models=[model], spring_sets=[chosen]).solutions
-    found = evaluate(point(case, model, 5000 * RPM, spring_set=chosen))
+    found = numbers(case, model, 5000 * RPM, spring_set=chosen)
     assert {name: found.values.get(name) for name in solution.quantities} == dict(
         solution.quantities
     )
@@ -245,9 +245,9 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     case = parse_case(SMALL)
     told = ("preload", "installed_rate", "mode_1_frequency")
     static = static_study(Modes(case=case, models=("multi-mass",), count=12)).still[""]
-    chain = evaluate(point(case, "multi-mass", None, told, rest_model="multi-mass"))
+    chain = numbers(case, "multi-mass", None, told, rest_model="multi-mass")
     assert [chain.values[name] for name in told] == [static[name] for name in told]
-    rod = evaluate(point(case, "multi-mass", None, told))
+    rod = numbers(case, "multi-mass", None, told)
     assert (
         rod.values["preload"] == pytest.approx(chain.values["preload"], rel=0.02)
         and rod.values["preload"] != chain.values["preload"]
@@ -257,8 +257,8 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
 def test_a_varied_engine_speed_is_the_speed_of_the_run():
     speed = ((Varied(ENGINE_SPEED, "rpm"), 6000 * RPM),)
     wanted = ("peak_spring_force",)
-    assert evaluate(point(BEEHIVE, "massless", None, wanted, speed)) == evaluate(
-        point(BEEHIVE, "massless", 6000 * RPM, wanted)
+    assert numbers(BEEHIVE, "massless", None, wanted, speed) == numbers(
+        BEEHIVE, "massless", 6000 * RPM, wanted
     )
 
 
@@ -271,7 +271,7 @@ def test_a_varied_engine_speed_is_the_speed_of_the_run():
     ],
 )
 def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, words):
-    found = evaluate(point(BEEHIVE, "multi-mass", 6000 * RPM, ("peak_spring_force",), values))
+    found = numbers(BEEHIVE, "multi-mass", 6000 * RPM, ("peak_spring_force",), values)
     assert found.status.code == code and words in found.status.sentence() and not found.values
 
 

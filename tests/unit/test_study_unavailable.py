@@ -8,7 +8,7 @@ import valvetrain as vt
 from train_parts import SINGLE_MASS
 from unit.cli_parts import SMALL
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.evaluate import Point, evaluate
+from valvetrain.explore.evaluate import evaluate
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.study import refuse_outputs
 from valvetrain.quantities.request import PointRequest
@@ -36,7 +36,7 @@ def test_exactly_what_a_run_does_not_give_is_refused(model, tmp_path):
     """Other path: the names that the run itself gives."""
     case = case_of(tmp_path, SMALL)
     request = PointRequest(NAMES)
-    found = evaluate(Point(case, run=Run(SPEED, model), request=request))
+    found = evaluate(case, {}, Run(SPEED, model), request)
     assert found.status.completed, found.status.sentence()
     for name in NAMES:
         if name in found.values:

@@ -19,10 +19,10 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case
-from valvetrain.explore.evaluate import Point, bars_of, evaluate
+from valvetrain.explore.evaluate import bars_of, evaluate
 from valvetrain.explore.limit_speed import limit_outcome
 from valvetrain.explore.outputs import Outcome, Outputs, Run, Task
-from valvetrain.explore.space import ENGINE_SPEED, Space
+from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.parameters.case import Case, content
 from valvetrain.parameters.case_changes import tables_of
@@ -133,28 +133,28 @@ class Evaluation(Computation):
             *(Task(run, PointRequest((one.quantity,)), one) for one in outputs.limit_speeds for run in kinds),
         )  # fmt: skip
 
-    def point(self, values: Iterable[float], run: Run, request: PointRequest) -> Point:
-        """One point of a case: values (SI, in the order of the space) in a run; without values the case as it is."""
-        assert self.case is not None
+    def _varied(self, values: Iterable[float]) -> dict[Varied, float]:
+        """Values (SI, in the order of the space) by what is varied; without values the case as it is."""
         numbers = tuple(map(float, values))
-        return Point(self.case, tuple(zip(self.space, numbers, strict=bool(numbers))), run, request)
+        return dict(zip(self.space, numbers, strict=bool(numbers)))
 
     def evaluate(self, values: Iterable[float], task: Task) -> Outcome:
         """The outcome of one point, bit-identical to a run of the case with these values."""
-        function, (run, request, limit) = self.outputs.function, task
-        if limit is not None:
+        case, function, (run, request, limit) = self.case, self.outputs.function, task
+        given = self._varied(values)
+        if case is not None and limit is not None:
             at, of_case = (
                 lambda engine_speed, point=point: evaluate(
-                    self.point(point, run._replace(engine_speed=engine_speed), request)
+                    case, point, run._replace(engine_speed=engine_speed), request
                 )
-                for point in (tuple(values), ())
+                for point in (given, {})
             )
             return limit_outcome(limit, at, of_case)
-        if function is None:
-            return evaluate(self.point(values, run, request))
-        given = dict(zip(self.space.names, map(float, values), strict=True))
+        if case is not None:
+            return evaluate(case, given, run, request)
+        assert function is not None
         try:
-            numbers = function(**given)
+            numbers = function(**{one.name: value for one, value in given.items()})
         except _OF_FUNCTION as error:
             return Outcome(Status("refused", str(error) or type(error).__name__))
         names = request.outputs
@@ -164,7 +164,8 @@ class Evaluation(Computation):
 
     def error_bars(self, values: Iterable[float], run: Run) -> tuple[Uncertainty, ...]:
         """Error bars of the numbers of a point; none of a function."""
-        return () if self.case is None else bars_of(self.point(values, run, self.outputs.request))
+        given = self._varied(values)
+        return () if self.case is None else bars_of(self.case, given, run, self.outputs.request)
 
     @property
     def subject(self) -> Any:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -57,67 +57,53 @@ CURVE_STEPS, MODES = 24, 12
 MAX_POINTS = 300
 
 
-@dataclass(frozen=True)
-class Point:
-    """One point: a case, its varied quantities with their values (SI), and its run.
+def at_values(case: Case, values: Mapping[Varied, float], run: Run) -> tuple[Case, Run]:
+    """The case with varied quantities at ``values`` (SI), and the run at the engine speed among them. Raises as :func:`vary`.
 
     >>> import valvetrain as vt
-    >>> Point(vt.load_case("job-t"), ((Varied(ENGINE_SPEED, "rpm"), 300.0),)).speed
+    >>> at_values(vt.load_case("job-t"), {Varied(ENGINE_SPEED, "rpm"): 300.0}, Run())[1].engine_speed
     300.0
     """
-
-    case: Case
-    values: tuple[tuple[Varied, float], ...] = ()
-    run: Run = Run()
-    request: PointRequest = PointRequest()
-
-    @property
-    def speed(self) -> float | None:
-        """Engine speed (rad/s), the varied one where it is varied."""
-        return next(
-            (value for varied, value in self.values if varied.key == ENGINE_SPEED),
-            self.run.engine_speed,
-        )
+    speeds = (value for one, value in values.items() if one.key == ENGINE_SPEED)
+    # what is doubtful of points is counted once, by :func:`doubts`, not reported by each
+    with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
+        return vary(case, values), run._replace(engine_speed=next(speeds, run.engine_speed))
 
 
-def evaluate(point: Point) -> Outcome:
-    """The numbers of a point; what cannot be built or run is a status with its sentence, never an
-    exception.
+def evaluate(
+    case: Case, values: Mapping[Varied, float], run: Run, request: PointRequest
+) -> Outcome:
+    """The numbers of a point: a case with varied quantities at ``values`` (SI) in a run; what cannot be built or run is a
+    status with its sentence, never an exception.
 
     >>> import valvetrain as vt
-    >>> point = Point(vt.load_case("job-c"), run=Run(400.0, "massless"), request=PointRequest(("peak_spring_force",)))
-    >>> evaluate(point).status.code
+    >>> evaluate(vt.load_case("job-c"), {}, Run(400.0, "massless"), PointRequest(("peak_spring_force",))).status.code
     'completed'
     """
     try:
-        # what is doubtful of points is counted once, by :func:`doubts`, not reported by each
-        with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
-            case = vary(point.case, dict(point.values))
-        return evaluate_case(case, point)
+        return evaluate_case(*at_values(case, values, run), request)
     except FAILURES as error:
         return Outcome(Status("refused", reason(error)))
 
 
-def evaluate_case(case: Case, point: Point) -> Outcome:
-    """The numbers of ``case`` at the speed, by the model and set of ``point``. Raises what building
-    and running raises.
-    """
-    problem = build(case, spring_models=point.run.models, spring_set=point.run.spring_sets)
+def evaluate_case(case: Case, run: Run, request: PointRequest) -> Outcome:
+    """The numbers of ``case`` in a run. Raises what building and running raises."""
+    problem = build(case, spring_models=run.models, spring_set=run.spring_sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         lift = _remembered(case.lift_law)
         members = tuple(replace(member, valve_lift=lift) for member in problem.members)
         problem = replace(problem, valve_lift=lift, members=members)
-    if point.speed is not None and point.request.motion:
+    if run.engine_speed is not None and request.motion:
         by_case = problem.members[0].instead
         problem = problem.settled()
         if (
             instead := problem.members[0].instead
         ) != by_case:  # no point by another model than its neighbours
             raise InputError(f"{instead}; name spring_models, such as multi-mass", "spring_models")
-    member, request = problem.members[0], point.request
+    member = problem.members[0]
     if member.refusal:
         raise InputError(member.refusal)
-    engine_speed = point.speed if request.motion and problem.moves else None
+    engine_speed = run.engine_speed if request.motion and problem.moves else None
     if engine_speed is not None:
         refuse_speeds(problem, (engine_speed,))
         refuse_implausible(problem, (engine_speed,))
@@ -231,16 +217,16 @@ def _train(
     return status, values
 
 
-def bars_of(point: Point) -> tuple[Uncertainty, ...]:
+def bars_of(
+    case: Case, values: Mapping[Varied, float], run: Run, request: PointRequest
+) -> tuple[Uncertainty, ...]:
     """Error bars of the numbers of a point; none of a spring at rest and of what cannot run."""
-    if point.speed is None or not point.request.motion:
-        return ()
-    run = point.run
     try:
-        with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
-            case = vary(point.case, dict(point.values))
+        case, run = at_values(case, values, run)
+        if run.engine_speed is None or not request.motion:
+            return ()
         study = run_study(RunOfCase(
-            case=case, engine_speeds=(point.speed,), models=run.models, spring_sets=run.spring_sets, workers=1, compute=("error_bars",),
+            case=case, engine_speeds=(run.engine_speed,), models=run.models, spring_sets=run.spring_sets, workers=1, compute=("error_bars",),
         ))  # fmt: skip
     except FAILURES:
         return ()

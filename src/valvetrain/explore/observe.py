@@ -17,7 +17,7 @@ from pydantic import Field
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.engine import Computation
-from valvetrain.explore.evaluate import MODES, Point, evaluate_case
+from valvetrain.explore.evaluate import MODES, evaluate_case
 from valvetrain.explore.files import Amount, Amounts, Names
 from valvetrain.explore.outputs import Outcome, Run
 from valvetrain.explore.posterior import Datum, Numbers
@@ -319,7 +319,7 @@ def numbers_of(case: Case, station: Run, targets: Sequence[Target]) -> Numbers:
     numbers = dict[str, float]()
     if whole:
         request = PointRequest(tuple(one.name for one in whole), rest)
-        outcome = evaluate_case(case, Point(case, (), station, request))
+        outcome = evaluate_case(case, station, request)
         if not outcome.status.completed:
             return None
         numbers = {one.key: outcome.values.get(one.name, np.nan) for one in whole}

@@ -245,7 +245,7 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
     x = _values(facts, close) if close else table.column(varied.name) * varied.shown(1.0)
     fig, title = go.Figure(), _axis(close) if close else varied.axis_label
     if facts.listed:
-        x, title = np.repeat(np.arange(len(facts.draws)), len(table.plan.runs)) + 1.0, "point"
+        x, title = np.repeat(1.0 + np.arange(len(facts.draws)), len(table.plan.runs)), "point"
     lines = facts.chosen and len(facts.along or facts.changing) == 1
     for place, (label, rows) in enumerate(_series(facts).items()):
         rows = rows[np.argsort(x[rows], kind="stable")][:: max(1, len(rows) // DOTS)]
