@@ -147,7 +147,6 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
         if one.key == ENGINE_SPEED:
             reason = "is no part of a design; give engine_speeds, or a limit_speed as an objective"
             raise text.located(("vary", place, "key"), reason)
-        text.guarded(("vary", place), lambda one=one: _refuse_without_ends(one))
     if model.spring_sets:
         text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
     plan = _plan(text, case, space)
@@ -203,17 +202,12 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     return replace(plan, confirmations={**plan.confirmations, finest: made})
 
 
-def _refuse_without_ends(one: Varied) -> None:
-    """Raise :class:`InputError` for a distribution without ends."""
-    if isinstance(one.distribution, Prior) and not one.distribution.flat:
-        reason = "a search goes between low and high or through values; give one of them"
-        raise InputError(reason, one.name)
-
-
 def _in_order(one: Varied) -> Varied:
     """A quantity whose list of values rises. Raises :class:`InputError` for a distribution without ends."""
-    _refuse_without_ends(one)
     levels = one.distribution
+    if isinstance(levels, Prior) and not levels.flat:
+        reason = "a search goes between low and high or through values; give one of them"
+        raise InputError(reason, one.name)
     if isinstance(levels, Values):
         return replace(one, distribution=replace(levels, values=tuple(sorted(set(levels.values)))))
     return one
@@ -275,7 +269,11 @@ def _plan(
     )
     goals: list[Any] = [*objectives, *constraints]
     outputs = Outputs([one.measure.quantity for one in goals], function=function)
-    experiment = Evaluation(case, Space([_in_order(one) for one in space]), outputs)
+    varied = [
+        text.guarded(("vary", place), lambda one=one: _in_order(one))
+        for place, one in enumerate(space)
+    ]
+    experiment = Evaluation(case, Space(varied), outputs)
     return OptimumPlan(
         experiment=experiment, title=model.title or f"{experiment.name}: {objectives[0].measure.label}", description=model.description,
         objectives=objectives, constraints=constraints, search=model.search, rest_model=model.rest_model,

@@ -10,6 +10,7 @@ import numpy as np
 
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
 from valvetrain.explore.measure import Measure
+from valvetrain.explore.objective import FULL
 from valvetrain.explore.optimum import Confirmed, Design, Optimum
 from valvetrain.explore.results import value_text
 from valvetrain.explore.search import Trial
@@ -185,8 +186,6 @@ def _springs(case: Case) -> list[InstalledSpring]:
 NAMED = 2
 #: Share of the gain that another model may lack and still confirm it.
 CONFIRMED = 0.1
-#: Spring models of the whole wire.
-FULL = {"finite-element", "solid"}
 
 
 def nothing(facts: SearchFacts) -> Hits:

@@ -260,7 +260,7 @@ def identify(
     from valvetrain.explore.space import Space
 
     space, data = Space(quantities), tuple(measurements)
-    points = FunctionPoints(lambda row: evaluate(np.array([row]))[0], repr((space.varied, data)))
+    points = FunctionPoints(lambda row: evaluate(np.array([row]))[0], repr((tuple(space), data)))
     plan = IdentificationPlan(space, data, points)
     if search is not None:
         plan = replace(plan, search=search)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, overload
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -140,8 +140,7 @@ class Varied:
         return f"× {said}" if self.operation == "factor" else f"{'+' if value >= 0 else ''}{said}"
 
 
-@dataclass(frozen=True, init=False)
-class Space(Sequence[Varied]):
+class Space(tuple[Varied, ...]):
     """Varied quantities with their distributions, each independent of the others.
 
     ``varied``: a mapping of names to distributions, or :class:`Varied` quantities. A name is a key
@@ -156,43 +155,32 @@ class Space(Sequence[Varied]):
     (('rate', 'mass'), [[40000.0, 0.05]])
     """
 
-    varied: tuple[Varied, ...]
+    __slots__ = ()
 
-    def __init__(self, varied: Mapping[str, Distribution] | Sequence[Varied]) -> None:
+    def __new__(cls, varied: Mapping[str, Distribution] | Sequence[Varied]) -> Space:
+        """The space, each quantity once."""
         if isinstance(varied, Mapping):
             varied = [Varied(name, distribution=one) for name, one in varied.items()]
-        object.__setattr__(self, "varied", tuple(varied))
-        names = self.names
+        made = super().__new__(cls, varied)
+        names = made.names
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"'{twice[:60]}' is varied twice; give it once")
-
-    @overload
-    def __getitem__(self, index: int) -> Varied: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Varied]: ...
-    def __getitem__(self, index: int | slice) -> Varied | Sequence[Varied]:
-        return self.varied[index]
-
-    def __len__(self) -> int:
-        return len(self.varied)
-
-    def __iter__(self) -> Iterator[Varied]:
-        return iter(self.varied)
+        return made
 
     @property
     def names(self) -> tuple[str, ...]:
         """Name of every quantity: its key, with ``factor`` or ``offset`` behind."""
-        return tuple(one.name for one in self.varied)
+        return tuple(one.name for one in self)
 
     @property
     def identity(self) -> list[Any]:
         """What the values of a point mean, whatever their distributions."""
-        return [[one.key, one.also, one.operation, one.si_unit] for one in self.varied]
+        return [[one.key, one.also, one.operation, one.si_unit] for one in self]
 
     def points(self, shares: ArrayLike) -> Array:
         """Points (n, d) in SI of shares (n, d) in the unit cube."""
         # half of the last bit off either end, where a distribution without bounds is infinite
         inside = np.clip(np.asarray(shares, dtype=float), 2.0**-53, 1 - 2.0**-53)
         return np.column_stack(
-            [one.distribution.at(inside[:, index]) for index, one in enumerate(self.varied)]
+            [one.distribution.at(inside[:, index]) for index, one in enumerate(self)]
         )
