@@ -37,20 +37,20 @@ SIZES = "peak_spring_force", "largest_outer_diameter"
 
 
 @pytest.mark.parametrize(
-    ("text", "labels"),
+    ("text", "labels", "unchecked"),
     [
-        (WIRE, ["finite-element"]),
-        (WIRE.replace("trials = 400", "trials = 4"), []),  # it would cost more than the search
-        (WIRE.replace(CHAIN, '["finite-element"]'), []),
-        (WIRE.replace("search = { trials = 400 }", CONFIRMED), ["finite-element"]),
-        (WIRE.replace(*SIZES), []),  # dimensions are those of any model
-        (CARDS, ["wave-rod"]),
-        (CARDS.replace(CHAIN, '["wave-rod"]'), []),
+        (WIRE, ["finite-element"], ""),
+        (WIRE.replace("trials = 400", "trials = 4"), [], "finite-element"),  # it would cost more than the search
+        (WIRE.replace(CHAIN, '["finite-element"]'), [], ""),
+        (WIRE.replace("search = { trials = 400 }", CONFIRMED), ["finite-element"], ""),
+        (WIRE.replace(*SIZES), [], ""),  # dimensions are those of any model
+        (CARDS, ["wave-rod"], ""),
+        (CARDS.replace(CHAIN, '["wave-rod"]'), [], ""),  # a card has no finer model
     ],
-)
-def test_a_search_by_a_reduced_model_is_checked_by_the_finest(text, labels):
+)  # fmt: skip
+def test_a_search_by_a_reduced_model_is_checked_by_the_finest(text, labels, unchecked):
     plan = read_optimum(FileText(text, "search.toml", Path(), OptimumModel))
-    assert list(plan.confirmations) == labels
+    assert list(plan.confirmations) == labels and plan.unchecked == unchecked
     for one in plan.confirmations.values():
         assert {run[1] for measure in one.measures for run in measure.runs} == set(labels)
         assert 2 * one.seconds <= 400 * plan.seconds

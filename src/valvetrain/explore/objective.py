@@ -55,7 +55,8 @@ Place = tuple[str | int, ...]
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OptimumPlan(Plan):
     """What a search does. ``rest_model``: spring model of static quantities, empty for the finite-element rod.
-    ``confirmations``: another model that the best design is computed by -> the plan of that.
+    ``confirmations``: another model that the best design is computed by -> the plan of that. ``unchecked``: the finest
+    model that the case allows, where nothing is computed by it.
     """
 
     objectives: tuple[Objective, ...]
@@ -63,6 +64,7 @@ class OptimumPlan(Plan):
     search: SearchModel
     rest_model: str = ""
     confirmations: Mapping[str, OptimumPlan] = field(default_factory=dict)
+    unchecked: str = ""
 
     @property
     def measures(self) -> tuple[Measure, ...]:
@@ -178,8 +180,8 @@ def plan_of_experiment(
 def with_finest(plan: OptimumPlan) -> OptimumPlan:
     """The plan with a check of its best design by the finest spring model that the case allows.
 
-    The plan stays as it is where a model as fine computes it already, where a spring model was made in Python, and where
-    the check would cost more than the search.
+    The plan stays as it is where a model as fine computes it already. It names the finest model as ``unchecked`` where a
+    spring model was made in Python, and where the check would cost more than the search.
     """
     if plan.case is None:
         return plan
@@ -194,11 +196,11 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
                 models.add(task.request.rest_model or FINEST)
     finest = FINEST if all(one.wire is not None for one in springs) else OF_CARDS
     fine = models & {finest, *FULL}
-    if not models or fine or models & OWN.keys() or any(find("springs", finest).why_not(one) for one in springs):  # fmt: skip
+    if not models or fine or any(find("springs", finest).why_not(one) for one in springs):
         return plan
     made = plan.by_another(finest)
-    if 2 * made.seconds > plan.search.trials * plan.seconds:
-        return plan
+    if models & OWN.keys() or 2 * made.seconds > plan.search.trials * plan.seconds:
+        return replace(plan, unchecked=finest)
     return replace(plan, confirmations={**plan.confirmations, finest: made})
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
 from valvetrain.explore.measure import Measure
-from valvetrain.explore.objective import FULL
 from valvetrain.explore.optimum import Confirmed, Design, Optimum
 from valvetrain.explore.results import value_text
 from valvetrain.explore.search import Trial
@@ -318,11 +317,12 @@ def unresolved(facts: SearchFacts) -> Hits:
 
 
 def alone(facts: SearchFacts) -> Hits:
-    """Runs by models that leave out parts of the spring, with no other to confirm them."""
-    result = facts.result
-    models = {run[1] for one in result.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
-    if result.best is not None and not result.confirmed and models and not models & FULL:
-        yield Hit(fields={"model": joined(sorted(filter(None, models))) or "the model of the case"})
+    """Models that leave out parts of the spring, with no other to confirm them, where a finer one could."""
+    result, finest = facts.result, facts.result.plan.unchecked
+    if result.best is not None and finest and not result.confirmed:
+        models = {run.spring_model for one in result.plan.measures for run in one.runs}
+        named = joined(sorted(filter(None, models))) or "the model of the case"
+        yield Hit(fields={"model": named, "finest": finest})
 
 
 def alike(facts: SearchFacts) -> Hits:
@@ -354,6 +354,6 @@ RULES = (
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
     Rule("O123", "warns", "widen {wide}: the best is at its end", at_end, remark="end of its range"),
     Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
-    Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
+    Rule("O127", "warns", "only {model} computed it: confirm it by {finest}", alone, mark="", guide="optimisation.md"),
     Rule("O128", "warns", "designs as good within {share} have {ranges}", alike, remark="[{only} as good]", mark="", guide="optimisation.md"),
 )  # fmt: skip
