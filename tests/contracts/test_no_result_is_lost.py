@@ -21,7 +21,7 @@ from valvetrain.runs.api import simulate
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import PartialFailures
-from valvetrain.views import study_files as write
+from valvetrain.views import results as write
 from valvetrain.views.answer import Answer
 from valvetrain.views.files import FreeNames
 from valvetrain.views.page import data_of, page_of
@@ -165,7 +165,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
     places = (
-        "views.results.page_of", "views.study_files.quantity_table", "views.study_files.remove_earlier", "views.json.study_json",
+        "views.results.page_of", "views.results.quantity_table", "views.results.remove_earlier", "views.json.study_json",
         "views.terminal._rows", "runs.run.next_to_published", "runs.spring_runs.rest_quantities", "runs.facts.case_facts",
     )  # fmt: skip
     for place in places:

@@ -14,12 +14,13 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import LEVELS
-from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
+from valvetrain.findings.facts import TURN, Facts, over_turn
 from valvetrain.findings.rules_train import CAUSES, hardest, lobe_part
 from valvetrain.findings.table import explain, findings_of, rules
 from valvetrain.findings.words import RPM, Amount, Phrase, Words, digits_text
 from valvetrain.parameters.card_case import card_case_text
 from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.status import Cause
 from valvetrain.solution.study import Study
@@ -167,11 +168,10 @@ def test_parts_of_a_lobe_are_those_of_its_lift():
         facts.value(run, "closing_ramp_end_cam_angle"),
     )
     lift = over_turn(run, "rigid_valve_lift")
-    nose = float(cam_angles(run)[np.argmax(lift)])
+    angle = reported_cycle(run).cam_angle
+    nose = float(angle[np.argmax(lift)])
     bend = np.gradient(np.gradient(lift))
-    flank = float(
-        cam_angles(run)[np.argmax(np.where(cam_angles(run) % TURN < nose % TURN, bend, 0))]
-    )
+    flank = float(angle[np.argmax(np.where(angle % TURN < nose % TURN, bend, 0))])
     parts = {
         at: lobe_part(facts, run, at)
         for at in (sum(law) / 2, nose + 0.1, nose + math.pi, flank, nose - 0.4)
@@ -186,7 +186,7 @@ def test_the_largest_force_on_the_cam_is_in_row_and_picture_with_its_place():
     (run,) = facts.runs
     peak, force = run.quantities["peak_cam_contact_force"], over_turn(run, "cam_contact_force")
     at = run.quantities["peak_cam_contact_force_cam_angle"]
-    sampled = cam_angles(run)[np.argmax(force)]
+    sampled = reported_cycle(run).cam_angle[np.argmax(force)]
     assert peak >= force.max() and abs(at - sampled) <= TURN / len(force)
     row, place = (
         next(one for one in answer.lines if one.label == name) for name in ("on the cam", "most at")

@@ -29,7 +29,6 @@ from valvetrain.parameters.own_parts import own_name
 from valvetrain.runs.workers import start_method
 from valvetrain.system.train_system import TrainSystem
 from valvetrain.views.answer import Answer
-from valvetrain.views.tables import how_computed
 
 RATE, PRELOAD, MASS = 40e3, 300.0, 0.06
 
@@ -264,7 +263,7 @@ def test_a_run_and_a_page_of_a_model_in_python_are_those_of_any_model(tmp_path):
         Linear()
     )
     assert (
-        "Linear" in str(list(how_computed(Answer(study))))
+        "Linear" in str(list(Answer(study).computed()))
         and "nan" not in str(vt.views.study_json(study)).lower()
     )
     sweep = card(True).sweep("3000, 4000 rpm", Linear(), critical_speeds=False)

@@ -246,9 +246,8 @@ def _finding(rule: Rule, hits: Sequence[Hit], facts: Subject, words: Words) -> F
         values["at"] = facts.at(run)
         values["where"] = facts.where([one.run for one in hits if one.run is not None])
     values |= hit.fields
-    texts = {
-        part: words.fill(words.part(rule.code, part, getattr(rule, part)), values) for part in PARTS
-    }
+    templates = words.templates.get(rule.code, {})
+    texts = {part: words.fill(templates.get(part, getattr(rule, part)), values) for part in PARTS}
     if facts.verb:
         texts["step"] = _VERBS.sub(f"valvetrain {facts.verb} ", texts["step"])
     mark = MARKS[rule.level] if rule.mark is None else rule.mark
@@ -283,7 +282,7 @@ def measured(number: float | None, unit: str) -> dict[str, Any]:
 # -- conditions ------------------------------------------------------------------------------------
 
 
-def above(name: str, limit: float | str, springs: bool = False) -> Condition:
+def above(name: str, limit: float | str, springs: bool = False, sign: int = 1) -> Condition:
     """Runs in which a quantity is above a limit by more than its error bar.
 
     Parameters
@@ -291,16 +290,9 @@ def above(name: str, limit: float | str, springs: bool = False) -> Condition:
     name : name of the quantity
     limit : a number (SI), or the name of another quantity of the run
     springs : of a pair the quantity of each spring as well
+    sign : -1 for a quantity below the limit
     """
-    return _threshold(name, limit, springs, 1)
 
-
-def below(name: str, limit: float | str, springs: bool = False) -> Condition:
-    """As :func:`above`, for a quantity below a limit."""
-    return _threshold(name, limit, springs, -1)
-
-
-def _threshold(name: str, limit: float | str, springs: bool, sign: int) -> Condition:
     def hits(facts: Facts) -> Hits:
         found: list[Hit] = []
         for prefix in SPRINGS if springs else ("",):
@@ -316,6 +308,11 @@ def _threshold(name: str, limit: float | str, springs: bool, sign: int) -> Condi
         return iter(named or found)  # of a pair the spring is named
 
     return hits
+
+
+def below(name: str, limit: float | str, springs: bool = False) -> Condition:
+    """As :func:`above`, for a quantity below a limit."""
+    return above(name, limit, springs, -1)
 
 
 def per_run(function: Callable[[Facts, Solution], Hit | None]) -> Condition:

@@ -160,7 +160,7 @@ class Facts:
         """Code of what the valve does at a cam angle (rad): ``closes``, ``opens`` or ``shut``; empty without its lift."""
         if not run.has("valve_lift"):
             return ""
-        lift, angles = over_turn(run, "valve_lift"), cam_angles(run)
+        lift, angles = over_turn(run, "valve_lift"), reported_cycle(run).cam_angle
         here, later = np.interp([cam_angle, cam_angle + AHEAD], angles, lift, period=TURN)
         if max(here, later) < SHUT * lift.max():
             return "shut"
@@ -171,13 +171,14 @@ class Facts:
         if not run.has(channel, "valve_lift"):
             return None
         values = np.where(open_mask(run), over_turn(run, channel), np.inf)
-        angle = float(cam_angles(run)[int(np.argmin(values))])
+        angle = float(reported_cycle(run).cam_angle[int(np.argmin(values))])
         return Amount("loft_cam_angle", angle)
 
     def nose(self, run: Solution) -> Amount:
         """Cam angle at which rigid parts lift the valve most."""
         lift = over_turn(run, "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift")
-        return Amount("loft_cam_angle", float(cam_angles(run)[int(np.argmax(lift))]) % TURN)
+        angle = float(reported_cycle(run).cam_angle[int(np.argmax(lift))])
+        return Amount("loft_cam_angle", angle % TURN)
 
     # -- places ------------------------------------------------------------------------------------
 
@@ -311,11 +312,6 @@ def open_mask(run: Solution) -> Flags:
 def over_turn(run: Solution, name: str) -> Array:
     """A channel (sample, ...) over the reported cam revolution, without labels, which cost time to load."""
     return np.asarray(reported_cycle(run).channel(name))
-
-
-def cam_angles(run: Solution) -> Array:
-    """Cam angles (sample,) of the reported revolution (rad)."""
-    return np.asarray(reported_cycle(run).cam_angle)
 
 
 def rests(event: Event) -> bool:

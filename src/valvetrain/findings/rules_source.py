@@ -19,28 +19,22 @@ from valvetrain.solution.uncertainty import Comparison
 Reader = Callable[[Fact], Fields]
 
 
-def rests_on(*codes: str, read: Reader = lambda _: {}) -> Condition:
-    """A fact of the study, or of a run that decides, of any of ``codes``; ``read`` gives the fields of its text."""
+def rests_on(code: str, *texts: str, read: Reader = lambda _: {}) -> Condition:
+    """A fact of the study, or of a run that decides, of this ``code``. The fields of the rule are the ``texts`` of the fact by
+    name, and what ``read`` gives.
+    """
 
     def hits(facts: Facts) -> Hits:
-        known = (*facts.study.facts, *(one for run in facts.runs for one in run.facts))
-        for one in known:
-            if one.code in codes:
-                yield Hit(fields=read(one))
+        for one in (*facts.study.facts, *(one for run in facts.runs for one in run.facts)):
+            if one.code == code:
+                yield Hit(fields={name: str(one.fields[name]) for name in texts} | dict(read(one)))
 
-    hits.__doc__ = f"The result rests on: {joined([one.replace('-', ' ') for one in codes], 'or')}."
+    hits.__doc__ = f"The result rests on: {code.replace('-', ' ')}."
     return hits
 
 
 def _ramp(fact: Fact) -> Fields:
     return {"ramp": Amount("cam_closing_ramp_velocity", float(fact.fields["velocity"]))}
-
-
-def _text(*names: str) -> Reader:
-    return lambda fact: {name: str(fact.fields[name]) for name in names}
-
-
-_spring = _text("spring")
 
 
 def _places(fact: Fact) -> Fields:
@@ -49,12 +43,11 @@ def _places(fact: Fact) -> Fields:
 
 
 def _heights(fact: Fact) -> Fields:
-    both = {one: Amount("solid_height", float(fact.fields[one])) for one in ("stated", "computed")}
-    return {**_spring(fact), **both}
+    return {one: Amount("solid_height", float(fact.fields[one])) for one in ("stated", "computed")}
 
 
 def _buckles(fact: Fact) -> Fields:
-    return {"at": Amount("compression", float(fact.fields["compression"])), **_spring(fact)}
+    return {"at": Amount("compression", float(fact.fields["compression"]))}
 
 
 def _ratio(fact: Fact) -> Fields:
@@ -62,8 +55,7 @@ def _ratio(fact: Fact) -> Fields:
 
 
 def _driver(fact: Fact) -> Fields:
-    force = Amount("driver_difference_force", float(fact.fields["force_difference"]))
-    return {"driver": str(fact.fields["driver"]), "force": force}
+    return {"force": Amount("driver_difference_force", float(fact.fields["force_difference"]))}
 
 
 def angles(facts: Facts) -> Hits:
@@ -95,11 +87,12 @@ RECUT = "another lift_law.lash is another cam, whose ramp is cut for it: train.l
 ASSUMED = (
     Rule("A114", "warns", RECUT, recut, step="set train.lash", remark="a cam cut for another lash", guide="how-to/10-seating.md"),
     Rule("A104", "warns", "no damping in the spring {spring}, so surge lives on from cycle to cycle",
-         rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
-    Rule("A107", "warns", "the spring {spring} buckles at {at}, before full lift", rests_on("buckles", read=_buckles),
+         rests_on("no-damping", "spring"), step="give the spring a damping", guide="how-to/15-damping.md"),
+    Rule("A107", "warns", "the spring {spring} buckles at {at}, before full lift", rests_on("buckles", "spring", read=_buckles),
          guide="how-to/05-coil-bind.md"),
     Rule("A116", "warns", "solid at {stated:4} is stated for {spring}, and its wire binds at {computed:4}",
-         rests_on("other-solid-height", read=_heights), ("coil_bind_clearance",), "the stated height counts", guide="how-to/05-coil-bind.md"),
+         rests_on("other-solid-height", "spring", read=_heights), ("coil_bind_clearance",), "the stated height counts",
+         guide="how-to/05-coil-bind.md"),
     Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} of the cam)", rests_on("assumed-ramp", read=_ramp),
          SEAT, step="measure your ramp: ramp_velocity, ramp_lift", remark="assumed ramp"),
     Rule("A117", "notes", "the file assumes: {values}[ and {more} more]", assumed,
@@ -113,20 +106,20 @@ ASSUMED = (
     Rule("A119", "notes", "the rocker (ratio {ratio}) is rigid, so it takes no lift and no timing; a real one bends",
          rests_on("rigid-lever", read=_ratio),
          FLEX, step="give it a stiffness: train.lever.stiffness", remark="rigid rocker (ratio {ratio})", guide="how-to/08-flex.md"),
-    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_text("place")),
+    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", "place"),
          ("mean_cam_power",), "give it friction: --set train.contacts.{place}.friction_coefficient=0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),
          remark="loads of the pair split by wire"),
-    Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", read=_spring),
+    Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", "spring"),
          ("coil_bind_clearance",), remark="{spring} not checked"),
     Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
          rests_on("chain-of-wire"), remark="a chain for the wire (estimates)"),
-    Rule("A118", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", read=_text("model", "reason")),
+    Rule("A118", "notes", "{model} runs in place of the reduced rod, since {reason}", rests_on("not-the-default", "model", "reason"),
          remark="{model} since {reason}", guide="models.md"),
     Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
          step="fit the wire: valvetrain spring-card", remark="a wire assumed from the card"),
     Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",
-         rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
+         rests_on("follows-a-train", "driver", read=_driver), remark="a train that runs with {driver}"),
     Rule("A111", "notes", "the ends of the solid are bonded to their seats: where it pulls, a real spring would lift",
          rests_on("ends-bonded"), step="valvetrain run {case} --model finite-element", remark="bonded ends"),
 )  # fmt: skip

@@ -30,6 +30,7 @@ def _pressed(facts: Facts, run: Solution) -> float:
 
 
 def _strike(facts: Facts, run: Solution) -> Hit | None:
+    """Coils strike one another harder than the spring presses at rest."""
     events, rest = facts.strikes(run), _pressed(facts, run)
     if not events or events[0].size <= rest:
         return None
@@ -46,10 +47,7 @@ def _strike(facts: Facts, run: Solution) -> Hit | None:
     })  # fmt: skip
 
 
-@per_run
-def strikes(facts: Facts, run: Solution) -> Hit | None:
-    """Coils strike one another harder than the spring presses at rest."""
-    return _strike(facts, run)
+strikes = per_run(_strike)
 
 
 @per_run

@@ -273,6 +273,13 @@ class Words:
             template = _OPTIONAL.sub(optional, template)
         return re.sub(r" ([,;:.])(?=\s|$)", r"\1", _FIELD.sub(value, template)).strip(" ,;:")
 
+    def cell(self, template: str, fields: Mapping[str, Said]) -> str:
+        """As :meth:`fill`; empty where a field is missing."""
+        try:
+            return self.fill(template, fields)
+        except MissingFieldError:
+            return ""
+
     def said(self, one: Said, digits: int = 3) -> str:
         """What a field holds, as text; several parts with commas."""
         if isinstance(one, Amount):
@@ -280,10 +287,6 @@ class Words:
         if isinstance(one, Phrase):
             return self.fill(one.template, one.fields, digits)
         return one if isinstance(one, str) else ", ".join(self.said(part, digits) for part in one)
-
-    def part(self, code: str, part: str, default: str) -> str:
-        """The template of a part of a rule in this language; ``default`` where the language has none."""
-        return self.templates.get(code, {}).get(part, default)
 
 
 def fields_of(template: str) -> tuple[str, ...]:

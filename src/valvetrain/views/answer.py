@@ -5,7 +5,8 @@ Terminal, page and JSON show an :class:`Answer` and compute nothing of their own
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import rules
-from valvetrain.findings.words import Words, speed_text
+from valvetrain.findings.words import Words, digits_text, speed_text
 from valvetrain.registry import members
 from valvetrain.session import called_case
 from valvetrain.solution.study import Study
@@ -93,15 +94,30 @@ class Answer(ShownStudy):
 
     def moving(self) -> Moving | None:
         """The runs in motion, the one that decides first."""
-        from valvetrain.views.motion.scene import moving_of
+        from valvetrain.views.figures import worst_run
+        from valvetrain.views.motion.scene import moving_picture
 
-        return moving_of(self.study, self.facts)
+        return moving_picture(self.study, worst=worst_run(self.facts))
 
-    def computed(self) -> Iterable[str]:
+    def computed(self) -> Iterator[str]:
         """Models, step, error bars, notes, version, papers."""
-        from valvetrain.views.tables import how_computed
-
-        return how_computed(self)
+        study, step = self.study, "time_step_duration"
+        for run in {run.model: run for run in study.solutions}.values():
+            value = run.quantities.get(step, run.statistics.get("time_step", math.nan))
+            text = (
+                f", step {digits_text(1e6 * float(value))} µs" if isinstance(value, float) else ""
+            )
+            yield f"{run.model}: {run.statistics.get('integrator', 'no integrator')}{text}."
+        yield from study.notes
+        if missing := [
+            f"{one.label} at {speed_text(one.engine_speed)}" for one in study.error_bars.missing
+        ]:
+            yield f"No error bars: {', '.join(missing)}."
+        record, made = study.record, study.provenance
+        zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
+        yield f"Cam angles are cam degrees, engine speed is that of the crank.{zero}"
+        yield f"valvetrain {made.package_version}, case {record.name} ({record.digest[:12]})."
+        yield from dict.fromkeys((*record.citations, *made.citations))
 
     @property
     def text(self) -> str:

@@ -4,7 +4,6 @@ outdated files.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -23,7 +22,7 @@ from valvetrain.parameters.toml_text import toml_text
 from valvetrain.parameters.winding import EndCoil
 from valvetrain.runs.run_folders import LIST as RUNS_LIST
 from valvetrain.runs.run_folders import mark_unfinished
-from valvetrain.solution.atomic import append_whole, write_text
+from valvetrain.solution.atomic import append_whole, digest, write_text
 from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import PartialFailures
@@ -238,31 +237,27 @@ def remove_earlier(folder: Path, kind: str, written: Iterable[Path]) -> tuple[Pa
     now = {path.resolve().relative_to(base).as_posix(): path for path in written}
     lists = _read(folder / LIST)
     removed = []
-    for name, digest in lists.get(kind, {}).items():
+    for name, checksum in lists.get(kind, {}).items():
         if (
             name not in now
             and not any(name in other for key, other in lists.items() if key != kind)
-            and _is_ours(base, name, digest)
+            and _is_ours(base, name, checksum)
         ):
             (base / name).unlink()
             removed.append(folder / name)
-    lists[kind] = {name: _digest(path) for name, path in now.items()}
+    lists[kind] = {name: digest(path.read_bytes()) for name, path in now.items()}
     write_text(folder / LIST, json.dumps(lists, indent=1) + "\n")
     return tuple(removed)
 
 
-def _is_ours(base: Path, name: str, digest: str) -> bool:
+def _is_ours(base: Path, name: str, checksum: str) -> bool:
     path = base / name
     return (
         path.resolve() == path
         and path.is_relative_to(base)
         and path.is_file()
-        and _digest(path) == digest
+        and digest(path.read_bytes()) == checksum
     )
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _read(path: Path) -> dict[str, dict[str, str]]:
@@ -274,7 +269,7 @@ def _read(path: Path) -> dict[str, dict[str, str]]:
     if not isinstance(lists, dict):
         return {}
     return {
-        kind: {str(name): str(digest) for name, digest in files.items()}
+        kind: {str(name): str(checksum) for name, checksum in files.items()}
         for kind, files in lists.items()
         if isinstance(files, dict)
     }

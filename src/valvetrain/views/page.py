@@ -94,7 +94,7 @@ def page_of(answer: Shown, gaps: PartialFailures | None = None) -> str:
     plotly = resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     return _template("page.html.j2").render(
         answer=content.texts, whole=True, prefix="", picture=picture, sign=SIGN, hint=HINT,
-        style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=_packed(plotly),
+        style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=packed(plotly),
         mover=motion_script() if content.texts["moving"] else "", texts=packed(content.texts), data=packed(content.data),
     )  # fmt: skip
 
@@ -146,11 +146,9 @@ def motion_script() -> str:
 
 
 def packed(content: Any) -> str:
-    """Plain values as text that a browser unpacks by itself (``DecompressionStream``)."""
-    return _packed(json.dumps(content, separators=(",", ":")).encode())
-
-
-def _packed(content: bytes) -> str:
+    """Plain values, or bytes, as text that a browser unpacks by itself (``DecompressionStream``)."""
+    if not isinstance(content, bytes):
+        content = json.dumps(content, separators=(",", ":")).encode()
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
 

@@ -4,28 +4,44 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from valvetrain import registry
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnknownNameError
+from valvetrain.parameters.summary import rpm
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_cut_off
 from valvetrain.solution.display import MAX_ROWS, table
 from valvetrain.solution.force_peak import bandwidth_of
+from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.result import Solution
+from valvetrain.solution.result import Solution, save_csv
 from valvetrain.solution.status import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
 from valvetrain.views.answer import Answer
+from valvetrain.views.files import FreeNames, remove_earlier
 from valvetrain.views.json import study_json
 from valvetrain.views.page import page_of
 from valvetrain.views.shown import Shown
-from valvetrain.views.study_files import StudyFiles, files_of, write_parts
+from valvetrain.views.study_files import (
+    CSV_SPACING,
+    StudyFiles,
+    at_wire_points,
+    comparison_table,
+    event_table,
+    files_of,
+    frequency_table,
+    quantity_table,
+    static_table,
+    sweep_table,
+)
 from valvetrain.views.style import in_reader_units
 from valvetrain.views.terminal import SIGN
 
@@ -151,22 +167,70 @@ def write_study(
     return files
 
 
-def write_answer(study: Study, folder: Path, page: bool, figures: str, **more: Any) -> StudyFiles:
-    """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other. ``more`` is for
-    :func:`valvetrain.views.study_files.write_parts`.
+def write_answer(
+    study: Study,
+    folder: Path,
+    page: bool,
+    figures: str,
+    written_before: Callable[[Solution], Path | None] = lambda _: None,
+) -> StudyFiles:
+    """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other.
+
+    ``written_before`` gives the file that a solution was written to as it came, which then only takes its name.
     """
-    return write_parts(study, folder, _write_page, page, figures, **more)
+    names, gaps = FreeNames(), PartialFailures()
+    files: list[Path] = []
 
+    def write(name: str, make: Callable[..., Path]) -> None:
+        path = gaps.part(f"file '{name}' could not be written", None, make, folder / name)
+        files.extend([path] if path is not None else [])
 
-def _write_page(
-    study: Study, folder: Path, figures: str, gaps: PartialFailures
-) -> tuple[Path | None, tuple[Path, ...]]:
-    """The page of a study, and its figures as pictures."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"folder '{folder}' cannot be written ({error.strerror}); choose another"
+        ) from error
+    for run in study.solutions:
+        if run.arrays.variables and len(run.time):
+            stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
+            before = written_before(run)
+            write(f"{stem}.nc", before.replace if before else partial(save_netcdf, run))
+            write(
+                f"{stem}.csv",
+                lambda path, run=run: save_csv(at_wire_points(run, CSV_SPACING), path),
+            )
+    for one in study.rest:
+        whose = f"{one.spring}-{one.model}"
+        if one.curve is not None:
+            stem = names.free(f"static-{whose}")
+            write(f"{stem}.nc", partial(save_netcdf, one.curve))
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve)))  # fmt: skip
+        if one.modes is not None:
+            stem = names.free(f"modes-{whose}")
+            write(f"{stem}.nc", partial(save_netcdf, one.modes))
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes)))  # fmt: skip
+    tables: dict[str, Callable[[], str]] = {
+        "quantities": partial(quantity_table, study),
+        "events": partial(event_table, study),
+        "comparison": partial(comparison_table, study.comparisons),
+    }
+    for label in study.labels if study.over_speed else ():
+        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
+    for name, build in tables.items():
+        content = gaps.part(f"table '{name}'", "", build)
+        if content.count("\n") > 1:
+            write(f"{name}.csv", lambda path, content=content: write_text(path, content))
     answer = Answer(study)
-    page = write_page(answer, folder, gaps)
-    if page is None or not figures:
-        return page, ()
-    return page, gaps.part("pictures", (), write_figures, answer, folder, figures)
+    shown: Path | None = None
+    if page:
+        shown = gaps.part("report page", None, write_page, answer, folder, gaps)
+    pictures: tuple[Path, ...] = ()
+    if shown and figures:
+        pictures = gaps.part("pictures", (), write_figures, answer, folder, figures)
+    written = (*files, *pictures, *filter(None, (shown,)))
+    gaps.part("list of files", (), remove_earlier, folder, "report", written)
+    return StudyFiles(folder, shown, tuple(files), pictures, gaps.sentences)
 
 
 def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from valvetrain.findings.engine import Fields, Findings, Mark, above, below
+from valvetrain.findings.engine import Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_sweep import (
     ALIKE,
@@ -27,7 +27,6 @@ from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest
 from valvetrain.findings.words import (
     RPM,
     Amount,
-    MissingFieldError,
     Words,
     about,
     fields_of,
@@ -203,7 +202,8 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         set[str](),
         columns(facts, findings),
     )
-    lines += pair_lines(facts, runs, words)
+    if pair(facts):
+        lines += pair_lines(facts, runs, words)
     speeds = {run.engine_speed for run in runs}
     for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring") or row.units not in (
@@ -224,8 +224,9 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         limit = "" if mark or row.limit is None else row.limit.kept(facts, runs[-1], brief)
         if limit:
             mark, remark = "ok", ", ".join(filter(None, (remark, limit)))
-        if mark == "ok" and not limit and _doubtful(row, facts, runs):
-            mark = ""
+        if mark == "ok" and not limit:
+            amounts = (facts.amount(run, name) for run in runs for name in row.reads)
+            mark = "" if any(one and not one.resolved for one in amounts) else mark
         lines.append(Line(row.label, cells, mark, remark))
     return lines
 
@@ -234,8 +235,6 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     """Of two springs in one engine: to which speed each keeps control and by how much longer the better one does, and its
     largest surge, stress and stress amplitude.
     """
-    if not pair(facts):
-        return []
     sets, more = [run.spring_set for run in runs], [round(one / RPM) for one in gains(facts)]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
     between, surge = "of the speeds searched", most_surge(facts)
@@ -268,12 +267,6 @@ def _added_rows() -> Iterator[Row]:
                 yield Row(one.label, (f"{{{one.name}}}",), of=of)
 
 
-def _doubtful(row: Row, facts: Facts, runs: list[Solution]) -> bool:
-    """Whether a number of the row is not resolved."""
-    amounts = (facts.amount(run, name) for run in runs for name in row.reads)
-    return any(one is not None and not one.resolved for one in amounts)
-
-
 def _cells(row: Row, facts: Facts, runs: list[Solution], words: Words) -> tuple[str, ...]:
     """A row of all runs by the template that most of them can fill, so that all cells say the same; empty where numbers
     are missing.
@@ -286,12 +279,5 @@ def _cells(row: Row, facts: Facts, runs: list[Solution], words: Words) -> tuple[
         }
         for run in runs
     }
-    rows = [tuple(_filled(text, names[id(run)], words) for run in runs) for text in row.texts]
+    rows = [tuple(words.cell(text, names[id(run)]) for run in runs) for text in row.texts]
     return max(rows, key=lambda cells: sum(map(bool, cells)))
-
-
-def _filled(text: str, fields: Fields, words: Words) -> str:
-    try:
-        return words.fill(text, fields)
-    except MissingFieldError:
-        return ""

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.facts import Facts, over_turn, trust
 from valvetrain.findings.rules_train import CONTACT
-from valvetrain.findings.words import RPM, Amount, MissingFieldError, Words, digits_text, speed_text
+from valvetrain.findings.words import RPM, Words, digits_text, fields_of, speed_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Comparison
@@ -65,7 +65,12 @@ def model_table(facts: Facts, words: Words) -> TextTable | None:
     several = len(facts.speeds) > 1
     rows = []
     for run in facts.models:
-        texts = [_cell(text, facts, run, brief) for text in cells.values()]
+        texts = [
+            brief.cell(
+                text, {name: one for name in fields_of(text) if (one := facts.amount(run, name))}
+            )
+            for text in cells.values()
+        ]
         lead = run is facts.models[0]
         judged = "decides" if lead else _share(deviation(facts, run, facts.models[0]))
         good = [] if not several else ["" if lead else good_to(facts, run.model)]
@@ -78,15 +83,6 @@ def model_table(facts: Facts, words: Words) -> TextTable | None:
         tuple(columns[k] for k in filled),
         tuple(tuple(row[k] for k in filled) for row in rows),
     )
-
-
-def _cell(text: str, facts: Facts, run: Solution, words: Words) -> str:
-    names = {name for name in run.quantities if f"{{{name}" in text or f"..{name}" in text}
-    fields: dict[str, Amount] = {name: one for name in names if (one := facts.amount(run, name))}
-    try:
-        return words.fill(text, fields)
-    except MissingFieldError:
-        return ""
 
 
 def deviation(facts: Facts, run: Solution, lead: Solution) -> float:

@@ -1,31 +1,27 @@
-"""Writes the data files of a study, and the page that is given to it; each whole or not at all."""
+"""Tables of a study as text for its data files, and what was written of it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.errors import InputError, RunFailedError
+from valvetrain.errors import RunFailedError
 from valvetrain.parameters.summary import rpm
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.runs.stored_error_bars import numbers_of
-from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.quantity import unit_of
-from valvetrain.solution.result import Solution, save_csv
+from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve
-from valvetrain.solution.status import PartialFailures
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Comparison, Uncertainty
 from valvetrain.units.text import to_unit
-from valvetrain.views.files import FreeNames, csv_of, remove_earlier
+from valvetrain.views.files import csv_of
 
 
 def by_columns(columns: Mapping[str, ArrayLike]) -> str:
@@ -85,83 +81,6 @@ def files_of(folder: Path, files: Sequence[Path], gaps: Sequence[str] = ()) -> S
         )
     page = next((path for path in files if path.name == "report.html"), None)
     return StudyFiles(folder, page, tuple(path for path in files if path != page))
-
-
-#: Study, folder, format of the pictures or nothing, and what takes failures -> page and pictures.
-PageWriter = Callable[[Study, Path, str, PartialFailures], tuple[Path | None, tuple[Path, ...]]]
-
-
-def write_parts(
-    study: Study,
-    target: Path,
-    pages: PageWriter,
-    page: bool = True,
-    figures: str = "",
-    written_before: Callable[[Solution], Path | None] = lambda _: None,
-) -> StudyFiles:
-    """Write the data files of a study and, on request, its page and pictures; a part that fails is named
-    among the ``gaps`` and costs no other.
-
-    ``written_before`` gives the file that a solution was written to as it came, which then only
-    takes its name; ``pages`` writes the page and its pictures.
-    """
-    names, gaps = FreeNames(), PartialFailures()
-    nothing: tuple[Path | None, tuple[Path, ...]] = (None, ())
-    data: list[Path] = []
-
-    def write(name: str, make: Callable[..., Path]) -> None:
-        path = gaps.part(f"file '{name}' could not be written", None, make, target / name)
-        data.extend([path] if path is not None else [])
-
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"folder '{target}' cannot be written ({error.strerror}); choose another"
-        ) from error
-    for run in study.solutions:
-        if run.arrays.variables and len(run.time):
-            stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
-            before = written_before(run)  # the file as it came only takes its name
-            write(f"{stem}.nc", before.replace if before else partial(save_netcdf, run))
-            write(
-                f"{stem}.csv",
-                lambda path, run=run: save_csv(at_wire_points(run, CSV_SPACING), path),
-            )
-    for one in study.rest:
-        whose = f"{one.spring}-{one.model}"
-        if one.curve is not None:
-            stem = names.free(f"static-{whose}")
-            write(f"{stem}.nc", partial(save_netcdf, one.curve))
-            write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve)))  # fmt: skip
-        if one.modes is not None:
-            stem = names.free(f"modes-{whose}")
-            write(f"{stem}.nc", partial(save_netcdf, one.modes))
-            write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes)))  # fmt: skip
-    tables: dict[str, Callable[[], str]] = {
-        "quantities": partial(quantity_table, study),
-        "events": partial(event_table, study),
-        "comparison": partial(comparison_table, study.comparisons),
-    }
-    for label in study.labels if study.over_speed else ():
-        tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
-    for name, build in tables.items():
-        content = gaps.part(f"table '{name}'", "", build)
-        if content.count("\n") > 1:
-            write(f"{name}.csv", lambda path, content=content: write_text(path, content))
-    written: Path | None = None
-    pictures: tuple[Path, ...] = ()
-    if page:
-        written, pictures = gaps.part("report page", nothing, pages, study, target, figures, gaps)
-    gaps.part(
-        "list of files",
-        (),
-        remove_earlier,
-        target,
-        "report",
-        (*data, *pictures, *((written,) if written else ())),
-    )
-    return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:

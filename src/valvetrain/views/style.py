@@ -12,7 +12,8 @@ import plotly.graph_objects as go
 from numpy.typing import ArrayLike
 
 from valvetrain.arrays import Array
-from valvetrain.findings.facts import Facts, cam_angles, over_turn
+from valvetrain.findings.facts import Facts, over_turn
+from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.result import Solution
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 
@@ -141,7 +142,7 @@ def thinned(x: Array, y: Array, most: int = 3000) -> tuple[Array, Array]:
 
 def degrees(run: Solution) -> Array:
     """Cam angle (deg) of the samples of a run's cycle."""
-    return np.asarray(np.degrees(cam_angles(run)))
+    return np.asarray(np.degrees(reported_cycle(run).cam_angle))
 
 
 def window(run: Solution) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from valvetrain.findings.facts import LOST, TURN
 from valvetrain.findings.rules_train import CAUSES as WHY_LOST
@@ -169,23 +168,3 @@ def rest(answer: ShownStudy) -> TextTable:
         if math.isfinite(value) and is_defined(name)
     )
     return TextTable("At rest", ("of", "quantity", "value"), rows)
-
-
-def how_computed(answer: ShownStudy) -> Iterator[str]:
-    """Sentences on the computation: models, step, error bars, notes, version, papers."""
-    study, step = answer.study, Amount("time_step_duration", 0.0)
-    for run in {run.model: run for run in study.solutions}.values():
-        value = run.quantities.get(step.name, run.statistics.get("time_step", math.nan))
-        text = f", step {digits_text(1e6 * float(value))} µs" if isinstance(value, float) else ""
-        yield f"{run.model}: {run.statistics.get('integrator', 'no integrator')}{text}."
-    yield from study.notes
-    if missing := [
-        f"{one.label} at {speed_text(one.engine_speed)}" for one in study.error_bars.missing
-    ]:
-        yield f"No error bars: {', '.join(missing)}."
-    record, made = study.record, study.provenance
-    zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
-    yield f"Cam angles are cam degrees, engine speed is that of the crank.{zero}"
-    yield f"valvetrain {made.package_version}, case {record.name} ({record.digest[:12]})."
-    cited = (*record.citations, *study.provenance.citations)
-    yield from dict.fromkeys(cited)

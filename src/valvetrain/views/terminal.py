@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Group, RenderableType
+from rich.console import RenderableType, group
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
@@ -23,14 +23,11 @@ SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
 BULLETS, WIDTH = 6, 40
 
 
-def screen(answer: Shown, page: str = "", folder: str = "") -> RenderableType:
+@group()
+def screen(answer: Shown, page: str = "", folder: str = "") -> Iterator[RenderableType]:
     """Title, verdict, rows, printed values, further findings, assumptions, what to run next, and the ``page``, or the
     ``folder`` of the files where no page was written.
     """
-    return Group(*_parts(answer, page, folder))
-
-
-def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     yield Text(answer.title, style="bold")
     told = set[str]()
     if answer.verdict is not None:

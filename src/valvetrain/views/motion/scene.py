@@ -12,7 +12,6 @@ import numpy as np
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
-from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import speed_text
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
@@ -22,7 +21,6 @@ from valvetrain.solution.status import reason
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
-from valvetrain.views.figures import worst_run
 from valvetrain.views.motion.parts import Moving, Places, Series, SpringDrawing, Variant, marks_of
 from valvetrain.views.motion.springs import draw_spring, one_range
 from valvetrain.views.motion.train import TrainDrawing, draw_train
@@ -115,7 +113,7 @@ def moving_picture(
     ----------
     study : what ``simulate`` or ``compare`` gave; runs without channels are left out
     frames : largest number of frames of a run
-    worst : run that is drawn whatever others know of their coils; None for no such run
+    worst : run that is drawn whatever others know of their coils, and first; None for no such run
 
     Returns
     -------
@@ -163,6 +161,14 @@ def moving_picture(
         if failed:
             raise failed[0][1]
         return None
+    if worst is not None:
+        variants.sort(
+            key=lambda one: (
+                one.engine_speed != worst.engine_speed,
+                -sum(len(spring.colourings) for spring in one.springs),
+                one.label != worst.label,
+            )
+        )
     notes = [
         f"{run.label} at {speed_text(run.engine_speed)} could not be drawn: {reason(error)}"
         for run, error in failed
@@ -329,20 +335,3 @@ def _bytes_per_frame(run: Solution, member: Member) -> int:
         surface = 8 * run.has(run.channel_of(name, "surface_equivalent_stress"))
         found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours + surface)
     return found
-
-
-def moving_of(study: Study, facts: Facts) -> Moving | None:
-    """The moving picture of a study, the run that decides first; None where no run moves."""
-    worst = worst_run(facts)
-    moving = moving_picture(study, worst=worst)
-    if moving is None or worst is None:
-        return moving
-
-    def order(place: int) -> tuple[bool, int, bool]:
-        one = moving.variants[place]
-        here = one.engine_speed == worst.engine_speed
-        colours = sum(len(spring.colourings) for spring in one.springs)
-        return not here, -colours, one.label != worst.label
-
-    places = sorted(range(len(moving.variants)), key=order)
-    return Moving(moving.title, tuple(moving.variants[k] for k in places), moving.notes)
