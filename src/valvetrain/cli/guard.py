@@ -15,13 +15,13 @@ from typing import Any
 from typer.core import TyperGroup
 
 from valvetrain.cli.outcome import (
+    MANNER,
+    Manner,
     complain,
     error_object,
     giving_back,
-    manner,
     mend_streams,
     reader_left,
-    set_manner,
     tell,
     unread,
 )
@@ -57,7 +57,9 @@ class GuardedGroup(TyperGroup):
         standalone).
         """
         mend_streams()
-        set_manner(sys.argv[1:] if args is None else list(args))
+        given = sys.argv[1:] if args is None else args
+        # before parsing, so that errors of the parser obey it too
+        MANNER.set(Manner("--json" in given, "--quiet" in given))
         _reported.clear()
         _warned.clear()
         with listening(), giving_back(), warnings.catch_warnings():
@@ -72,7 +74,6 @@ class GuardedGroup(TyperGroup):
                 ):  # the parser turns every signal into this code without a word
                     code = interrupted()
             except Exception as error:
-                given = sys.argv[1:] if args is None else args
                 code = (
                     interrupted()
                     if noted()
@@ -219,7 +220,7 @@ def _in_units_of_reader(message: str) -> str:
 
 
 def _as_json(message: str, where: str, code: int) -> None:
-    if manner().json:
+    if MANNER.get().json:
         with contextlib.suppress(OSError, ValueError):
             sys.stdout.write(error_object(message, where, code) + "\n")
             sys.stdout.flush()

@@ -16,24 +16,16 @@ from valvetrain.errors import InputError
 from valvetrain.registry import find, places
 
 
-def _version(requested: bool) -> None:
-    if requested:
+def _start(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
+) -> None:
+    """Dynamics of valve springs and valvetrains, from the static curve to coil clash."""
+    if version:
         from valvetrain import __version__
 
         typer.echo(f"valvetrain {__version__}")
         raise typer.Exit
-
-
-def _start(
-    context: typer.Context,
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_version, is_eager=True, help="Print the version and stop."
-        ),
-    ] = False,
-) -> None:
-    """Dynamics of valve springs and valvetrains, from the static curve to coil clash."""
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
 

@@ -92,17 +92,8 @@ class Manner:
 
 
 _DEFAULT = Manner()
-_MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
-
-
-def set_manner(label: Sequence[str]) -> None:
-    """Read ``--json`` and ``--quiet`` before parsing, so that errors of the parser obey them too."""
-    _MANNER.set(Manner("--json" in label, "--quiet" in label))
-
-
-def manner() -> Manner:
-    """The output requested on the command line."""
-    return _MANNER.get()
+#: The output requested on the command line.
+MANNER: ContextVar[Manner] = ContextVar("manner", default=_DEFAULT)
 
 
 @dataclass(frozen=True)
@@ -120,9 +111,9 @@ def deliver(outcome: Outcome) -> None:
     """
     failures = outcome.failures
     try:
-        if manner().json:
+        if MANNER.get().json:
             sys.stdout.write(to_json(outcome.data) + "\n")
-        elif not manner().quiet:
+        elif not MANNER.get().quiet:
             failures = (*failures, *_show(outcome))
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read it has left; the exit code still reports the result
@@ -182,7 +173,7 @@ class _Plain(Console):
 
 def tell(sentence: str) -> None:
     """Print one line on standard error, whatever the sentence contains; nothing under ``--quiet``."""
-    if not manner().quiet:
+    if not MANNER.get().quiet:
         complain(sentence)
 
 

@@ -14,7 +14,7 @@ from html import escape
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from valvetrain.cli.outcome import manner, tell
+from valvetrain.cli.outcome import MANNER, tell
 from valvetrain.session import COMPILING, PROGRESS_VARIABLE
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def progress_bar(title: str) -> Iterator[Report]:
     """
     tell_progress(0.0, "; ".join([title, *_AHEAD]))
     _AHEAD.clear()
-    if manner().quiet:
+    if MANNER.get().quiet:
         yield tell_progress
         return
     # When the first report came, and at which share: kernels may be compiled before it.
@@ -171,7 +171,7 @@ def time_left(elapsed: float, done: float, waited: float = 0.0) -> str:
 def busy(title: str) -> Any:
     """A spinner with ``title`` for work of seconds, on a terminal only."""
     tell_progress(None, title)
-    if manner().quiet or not sys.stderr.isatty():
+    if MANNER.get().quiet or not sys.stderr.isatty():
         return nullcontext()
     from rich.console import Console
 

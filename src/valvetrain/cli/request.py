@@ -5,7 +5,7 @@ its text.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -182,11 +182,7 @@ def command_of(
         with flagged({name: one for name, one in options_of(model).items() if one.flag}):
             execute(request, typed, folder)
 
-    def options() -> dict[str, Option]:
-        every = {**options_of(model), **options_of(line)}
-        return {name: one for name, one in every.items() if name not in always}
-
-    return partial(_add, model.command, execute, options, command)
+    return partial(_add, model.command, execute, (model, line), command, always)
 
 
 def command_without_case(
@@ -197,18 +193,24 @@ def command_without_case(
     def command(**given: Any) -> None:
         execute(line.read(given, flags=True))
 
-    return partial(_add, name, execute, partial(options_of, line), command)
+    return partial(_add, name, execute, (line,), command, ())
 
 
 def _add(
     name: str,
     execute: Callable[..., None],
-    options: Callable[[], Mapping[str, Option]],
+    models: tuple[type[Fields], ...],
     command: Callable[..., None],
+    always: Container[str],
     app: typer.Typer,
 ) -> None:
-    asked = options().items()
-    parameters = [_parameter(name, one) for name, one in asked if one.flag or one.metavar]
+    """Add a command with the options of all fields of ``models`` but those of ``always``."""
+    every = {name: one for model in models for name, one in options_of(model).items()}
+    parameters = [
+        _parameter(name, one)
+        for name, one in every.items()
+        if name not in always and (one.flag or one.metavar)
+    ]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     command.__doc__ = execute.__doc__
     app.command(name)(command)
