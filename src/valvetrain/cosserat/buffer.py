@@ -4,7 +4,7 @@ the stable step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,8 +59,10 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
     where stiffness, damping and mass differ so much that the largest frequency cannot be
     computed.
     """
+    with np.errstate(invalid="ignore"):  # what is beyond all bounds is refused below
+        stiffness = mesh.bend_stiffness * (1 + dynamics.branch_stiffness)
     loaded = RodStatics(
-        _with_branch(mesh, dynamics.branch_stiffness),
+        replace(mesh, bend_stiffness=stiffness),
         dynamics.contact_stiffness,
         contact_law=dynamics.contact_law,
     )
@@ -103,15 +105,6 @@ def inertia_of(mesh: RodMesh) -> Array:
     return np.concatenate(
         [np.repeat(mesh.node_mass[:, None], 3, axis=1), mesh.edge_inertia[1:]], axis=1
     ).ravel()
-
-
-def _with_branch(mesh: RodMesh, share: float) -> RodMesh:
-    from dataclasses import replace
-
-    with np.errstate(
-        invalid="ignore"
-    ):  # what is beyond all bounds is refused where the step is searched
-        return replace(mesh, bend_stiffness=mesh.bend_stiffness * (1 + share))
 
 
 def fill_buffer(mesh: RodMesh, state: RodState, dynamics: RodDynamics, time_step: float) -> Array:

@@ -145,11 +145,11 @@ def mesh_spring(
     return replace(mesh, contact=line, lower_seat_limit=lower_limit, upper_seat_limit=upper_limit)
 
 
+@dataclass(frozen=True)
 class _WireCurve:
     """Position, directors, arc length and section along the wire of a spring definition."""
 
-    def __init__(self, definition: SpringDefinition) -> None:
-        self.definition = definition
+    definition: SpringDefinition
 
     def position(self, coil: Array) -> Array:
         return self.definition.centreline(coil)

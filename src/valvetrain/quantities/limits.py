@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -145,12 +146,12 @@ def _until(
 
 @dataclass(frozen=True, slots=True)
 class PlausibleRange:
-    """Range ``low`` to ``high`` (SI) of the quantities whose names begin and end as a pair of
-    ``names``; ``unit`` and ``scale`` for display, and the ``reason`` for the bounds.
+    """Range ``low`` to ``high`` (SI) of the quantities of these ``names``, separated by blanks, ``*`` for any text;
+    ``unit`` and ``scale`` for display, and the ``reason`` for the bounds.
     """
 
     label: str
-    names: tuple[tuple[str, str], ...]
+    names: str
     low: float
     high: float
     unit: str
@@ -159,7 +160,7 @@ class PlausibleRange:
 
     def holds(self, name: str) -> bool:
         """Whether the range applies to the quantity or channel ``name``."""
-        return any(name.startswith(head) and name.endswith(tail) for head, tail in self.names)
+        return any(fnmatchcase(name, pattern) for pattern in self.names.split())
 
     def why_not(self, value: float) -> str:
         """Why a value is implausible, as a sentence without a remedy; empty for a plausible one."""
@@ -172,20 +173,8 @@ class PlausibleRange:
         return f"{self.label} is {found}, {side} {limit}: {self.reason}"
 
 
-def _range(
-    label: str, names: str, low: float, high: float, unit: str, scale: float, reason: str
-) -> PlausibleRange:
-    """A range from ``names`` separated by blanks, ``*`` for any text between head and tail."""
-    parts = (
-        (head, tail if star else "")
-        for head, star, tail in (name.partition("*") for name in names.split())
-    )
-    exact = tuple((head, tail or head) for head, tail in parts)
-    return PlausibleRange(label, exact, low, high, unit, scale, reason)
-
-
 #: Of the motion that is requested, by lift law and engine speed.
-MIN_LIFT = _range(
+MIN_LIFT = PlausibleRange(
     "the minimum lift",
     "least_lift",
     -50e-6,
@@ -194,7 +183,7 @@ MIN_LIFT = _range(
     1e-3,
     "no cam is ground below its base circle by more than run-out",
 )
-MAX_LIFT = _range(
+MAX_LIFT = PlausibleRange(
     "the largest lift",
     "largest_lift",
     0.0,
@@ -203,7 +192,7 @@ MAX_LIFT = _range(
     1e-3,
     "valves that a cam drives open by less, in ship engines too",
 )
-SPEED = _range(
+SPEED = PlausibleRange(
     "the lift speed",
     "lift_speed",
     0.0,
@@ -212,7 +201,7 @@ SPEED = _range(
     1.0,
     "racing engines at 20 000 rpm reach about 15 m/s",
 )
-ACCELERATION = _range(
+ACCELERATION = PlausibleRange(
     "the lift acceleration",
     "lift_acceleration",
     0.0,
@@ -223,7 +212,7 @@ ACCELERATION = _range(
 )
 MOTION = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide, what rubs, and wires.
-GUIDE_FRICTION = _range(
+GUIDE_FRICTION = PlausibleRange(
     "the friction in a guide",
     "friction",
     0.0,
@@ -234,19 +223,26 @@ GUIDE_FRICTION = _range(
 )
 PARTS = (
     GUIDE_FRICTION,
-    _range("the friction coefficient", "friction_coefficient", 0.0, 2.0, "", 1.0, "dry steel reaches 1, oiled valvetrains about 0.1"),
-    _range("the thinnest wire", "wire_diameter", 0.4e-3, math.inf, "mm", 1e-3, "wires of valve springs have 1 to 10 mm, those of models 0.5 mm"),
-    _range("the spring index (coil over wire diameter)", "spring_index", 0.0, 25.0, "", 1.0, "valve springs have about 4 to 12"),
+    PlausibleRange("the friction coefficient", "friction_coefficient", 0.0, 2.0, "", 1.0,
+        "dry steel reaches 1, oiled valvetrains about 0.1"),
+    PlausibleRange("the thinnest wire", "wire_diameter", 0.4e-3, math.inf, "mm", 1e-3,
+        "wires of valve springs have 1 to 10 mm, those of models 0.5 mm"),
+    PlausibleRange("the spring index (coil over wire diameter)", "spring_index", 0.0, 25.0, "", 1.0,
+        "valve springs have about 4 to 12"),
 )  # fmt: skip
 #: Of runs: quantities and channels by name.
 FOUND = (
-    _range("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity", -100.0, 100.0, "m/s", 1.0,
-           "wire struck at v bears a shear stress of v √(2 G ρ), 3.5 GPa at 100 m/s"),
-    _range("a spring force", "raw_peak_spring_force raw_peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
-    _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
-    _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide with more than it can carry"),
-    _range("a shear stress", "peak_shear_stress open_nominal_shear_stress open_uncorrected_shear_stress", -1e10, 1e10, "GPa", 1e9,
-           "the ideal strength of a steel crystal is G / 8"),
+    PlausibleRange("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity",
+        -100.0, 100.0, "m/s", 1.0,
+        "wire struck at v bears a shear stress of v √(2 G ρ), 3.5 GPa at 100 m/s"),
+    PlausibleRange("a spring force", "raw_peak_spring_force raw_peak_retainer_force", -1e5, 1e5, "N", 1.0,
+        "the largest valve springs carry some 10 kN"),
+    PlausibleRange("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
+    PlausibleRange("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0,
+        "a spring cannot press on its guide with more than it can carry"),
+    PlausibleRange("a shear stress", "peak_shear_stress open_nominal_shear_stress open_uncorrected_shear_stress",
+        -1e10, 1e10, "GPa", 1e9,
+        "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 #: Channels of velocities, each of which counts by its largest value.
 MOVING = (

@@ -254,7 +254,9 @@ def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRu
     """Write inputs and ``run.json`` (last: it makes the folder a run), and remove the files of an
     earlier run that this one did not write. ``answer["files"]`` are paths relative to the folder.
     """
-    earlier = _read_answer(folder)
+    earlier: dict[str, Any] = {}
+    with suppress(InputError):
+        earlier = read_answer(folder)
     for name, content in inputs.side_files.items():
         write_bytes(folder / CASE_FILE.parent / name, content)
     write_text(folder / CASE_FILE, inputs.text)
@@ -310,9 +312,9 @@ def list_saved_runs(case: str = "", root: Path = ROOT) -> tuple[SavedRun, ...]:
     found = list[tuple[int, SavedRun]]()
     for home in homes(case, root):
         for path in home.glob(f"*/{ANSWER}"):
-            with suppress(OSError):  # a folder may go meanwhile
+            with suppress(OSError, InputError):  # a folder may go meanwhile, or be damaged
                 written = path.stat().st_mtime_ns
-                if not path.parent.is_symlink() and (answer := _read_answer(path.parent)):
+                if not path.parent.is_symlink() and (answer := read_answer(path.parent)):
                     found.append((written, SavedRun(path.parent, answer)))
     # runs of one second follow each other by the time at which they were written
     newest = sorted(found, key=lambda one: (one[1].created_at, one[0]), reverse=True)
@@ -364,14 +366,6 @@ def run_of_path(path: Path) -> SavedRun | None:
     except (OSError, ValueError):
         return None
     return None
-
-
-def _read_answer(folder: Path) -> dict[str, Any]:
-    """The ``run.json`` of a folder; empty where there is none that can be read."""
-    try:
-        return read_answer(folder)
-    except InputError:
-        return {}
 
 
 def answer_text(answer: Mapping[str, Any]) -> str:
