@@ -21,7 +21,7 @@ from valvetrain.quantities.evaluate import evaluate
 from valvetrain.runs.api import simulate
 from valvetrain.runs.differences import result_differences
 from valvetrain.runs.prepared import prepare
-from valvetrain.runs.saved_runs import DEFINITIONS, SavedRun, definitions
+from valvetrain.runs.saved_runs import DEFINITIONS, FORCE, SavedRun
 from valvetrain.solution.force_peak import filtered_cycle, force_peak
 from valvetrain.system.build import build
 
@@ -147,9 +147,8 @@ def test_the_cut_off_of_a_case_counts_and_is_in_its_run():
 
 def saved(force: float, cut_off: float | None) -> SavedRun:
     answer = {"quantities": {"peak_spring_force": {"value": force, "unit": "N"}}}
-    return SavedRun(
-        Path(), answer | ({} if cut_off is None else {DEFINITIONS: definitions(cut_off)})
-    )
+    below = {"below": {"value": cut_off, "unit": "Hz"}}
+    return SavedRun(Path(), answer | ({} if cut_off is None else {DEFINITIONS: {FORCE: below}}))
 
 
 def test_two_definitions_of_the_peak_are_not_compared():

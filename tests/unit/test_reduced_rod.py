@@ -92,7 +92,7 @@ def test_it_stands_at_rest_and_swings_as_its_rod_does(rod, spring, retainer_disp
     assert spring.frequencies(retainer_displacement) == pytest.approx(expected, rel=5e-3)
     shown = spring.outputs(state, retainer_displacement)
     moved = at.state.position[:, 2] - rod.installed.state.position[:, 2]
-    at_points = interpolation(rod.mesh, wire_points(WIRE.total_coils))
+    at_points = interpolation(rod.mesh.coil_number, wire_points(WIRE.total_coils))
     assert shown.axial_displacement == pytest.approx(at_points @ moved, abs=2e-5)
     for name, load in static_section_loads(rod, [at.state]).items():
         largest = np.max(np.abs(load))

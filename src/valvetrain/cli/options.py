@@ -32,16 +32,6 @@ def matching_cases(begun: str) -> list[str]:
     return [name for name in library_names() if name.startswith(begun)]
 
 
-def take_units(system: str) -> None:
-    """Print the answer of this command in a ``system`` of units. Raises :class:`InputError` for an
-    unknown one.
-    """
-    from valvetrain.units.reader import request_units
-
-    request_units(system)
-    at_end(lambda: request_units("si"))
-
-
 def take_folder(output: Path | None, resumes: str = "") -> None:
     """Check and lock the folder of ``--output``, or the home of saved runs where it is None, until
     the command ends. ``resumes``: file that identifies an unfinished folder of the same command.

@@ -21,8 +21,8 @@ from valvetrain.cli.options import (
     name_case,
     read_workers,
     take_folder,
-    take_units,
 )
+from valvetrain.cli.outcome import at_end
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Fields,
@@ -173,8 +173,11 @@ def command_of(
     """
 
     def command(**given: Any) -> None:
+        from valvetrain.units.reader import request_units
+
         typed = line.read({name: given.pop(name) for name in options_of(line)}, flags=True)
-        take_units(typed.units)
+        request_units(typed.units)
+        at_end(lambda: request_units("si"))
         request, folder = typed.request(model, {**given, **always})
         if isinstance(request, ParallelRequest):
             workers = read_workers(request.workers, getattr(typed, "dask", ""))

@@ -198,9 +198,9 @@ def keep_run(
     from valvetrain.runs.run_folders import finish_folder, link_latest, new_folder
     from valvetrain.runs.saved_runs import (
         DEFINITIONS,
+        FORCE,
         Inputs,
         collect_inputs,
-        definitions,
         save_run,
     )
     from valvetrain.solution.provenance import collect_provenance
@@ -243,7 +243,8 @@ def keep_run(
         },
     }
     if isinstance(request.case, Case):
-        answer |= {DEFINITIONS: definitions(request.case.operation.force_bandwidth)}
+        cut_off = {"value": request.case.operation.force_bandwidth, "unit": "Hz"}
+        answer |= {DEFINITIONS: {FORCE: {"below": cut_off}}}
     saved = missing.part(
         f"file '{ANSWER}' could not be written", None, save_run, folder, inputs, answer
     )

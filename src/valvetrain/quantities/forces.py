@@ -223,11 +223,6 @@ def order_amplitudes(cam_angle: Array, values: Array) -> Array:
     return amplitude
 
 
-def surge_order(natural_frequency: float, engine_speed: float) -> float:
-    """Cam order of a natural frequency (Hz) at ``engine_speed`` (rad/s of the crank)."""
-    return natural_frequency * 2 * np.pi / (engine_speed / 2)
-
-
 def surge_engine_speeds(
     natural_frequency: float, lowest: float, highest: float
 ) -> dict[str, float]:
@@ -281,7 +276,7 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
         }
     if highest is None or not cycle.solution.engine_speed > 0:
         return found
-    place = surge_order(highest, cycle.solution.engine_speed)
+    place = highest * 2 * np.pi / (cycle.solution.engine_speed / 2)
     found |= {"surge_frequency": highest, "surge_cam_order": place}
     if len(frame.surge_frequencies) == len(cycle.solution.springs) > 1:
         found |= {

@@ -290,16 +290,6 @@ def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None
             raise InputError(f"{sentence}; {REMEDY}")
 
 
-def refuse_implausible_parts(values: Mapping[str, float]) -> None:
-    """Raise :class:`InputError` for the first of ``values`` (SI, by key path) outside its range of
-    :data:`PARTS`.
-    """
-    for place, value in values.items():
-        for limit in PARTS:
-            if limit.holds(place.rpartition(".")[2]) and (sentence := limit.why_not(value)):
-                raise InputError(f"{sentence}; {REMEDY}", place)
-
-
 def plausible_run(solution: Solution) -> Solution:
     """An evaluated run, as ``diverged`` where one of its numbers is implausible; all numbers stay."""
     numbers = dict(solution.quantities)

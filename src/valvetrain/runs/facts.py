@@ -174,18 +174,19 @@ def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterat
             if spring.name not in run.springs and len(run.springs) > 1:
                 continue
             first = f"{spring.name}_" if len(run.springs) > 1 else ""
-
-            def number(name: str, missing: float, run: Solution = run, first: str = first) -> float:
-                return run.quantities.get(first + name, missing)
-
-            most, force = most_force_of_wire(spring), number("peak_spring_force", 0.0)
+            mine = {
+                name.removeprefix(first): one
+                for name, one in run.quantities.items()
+                if name.startswith(first)
+            }
+            most, force = most_force_of_wire(spring), mine.get("peak_spring_force", 0.0)
             if force > most:
-                shear = number("peak_shear_stress", math.nan)
+                shear = mine.get("peak_shear_stress", math.nan)
                 numbers = {"solid_force": most, "force": force, "stress": shear}
                 yield Fact("above-solid", {**label, "spring": spring.name, **numbers})
             names = ("peak_shear_stress", "open_nominal_shear_stress")
-            stress = max(number(one, 0.0) for one in names)
-            if stress > number("wire_tensile_strength", MAX_STRENGTH):
+            stress = max(mine.get(one, 0.0) for one in names)
+            if stress > mine.get("wire_tensile_strength", MAX_STRENGTH):
                 yield Fact("above-strength", {**label, "stress": stress})
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -75,7 +74,8 @@ class Plan:
 @dataclass(frozen=True, eq=False)
 class PreparedRun:
     """A member with everything that its runs share; ``refusal``: why it cannot run, empty where it
-    can.
+    can. Of a train ``window``: begin and end (cam rad) of the open rigid valve (:func:`open_window`), and ``nose``: cam angle
+    (rad) of the largest rigid lift.
     """
 
     member: Member
@@ -84,19 +84,8 @@ class PreparedRun:
     rest: TrainRest | None = None
     motion: RigidMotion | None = None
     refusal: str = ""
-
-    @cached_property
-    def window(self) -> tuple[float, float] | None:
-        """Begin and end (cam rad) of the open rigid valve (:func:`open_window`); None for
-        prescribed motion.
-        """
-        return None if self.motion is None else open_window(self.motion.kinematics)
-
-    @cached_property
-    def nose(self) -> float | None:
-        """Cam angle (rad) of the largest rigid lift; None for prescribed motion."""
-        motion = self.motion
-        return None if motion is None else ring_top(motion.cam_angle, motion.derivatives[0])
+    window: tuple[float, float] | None = None
+    nose: float | None = None
 
 
 def largest_lift(problem: Problem) -> float:
@@ -154,7 +143,9 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
             valve_lift=train.mechanism.kinematics.valve_lift,
             surge_frequencies=_surge_frequencies(member, train, rest),
         )
-        return PreparedRun(member, frame, system, equilibrium, motion)
+        window = open_window(motion.kinematics)
+        nose = ring_top(motion.cam_angle, motion.derivatives[0])
+        return PreparedRun(member, frame, system, equilibrium, motion, window=window, nose=nose)
     except FAILURES as error:
         return PreparedRun(member, frame, refusal=reason(error))
 

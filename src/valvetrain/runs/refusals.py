@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.quantities.limits import refuse_implausible_motion, refuse_implausible_parts
+from valvetrain.quantities.limits import PARTS, REMEDY, refuse_implausible_motion
 from valvetrain.runs.prepared import law_lift, prepare
 from valvetrain.solution.status import reason
 from valvetrain.springs.contract import TabulatedSpring
@@ -75,7 +75,10 @@ def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None
                 values[f"train.contacts.{place}.friction_coefficient"] = (
                     contact.friction_coefficient
                 )
-    refuse_implausible_parts(values)
+    for place, value in values.items():
+        for limit in PARTS:
+            if limit.holds(place.rpartition(".")[2]) and (sentence := limit.why_not(value)):
+                raise InputError(f"{sentence}; {REMEDY}", place)
 
 
 def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:

@@ -270,11 +270,6 @@ def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRu
     return SavedRun(folder, whole)
 
 
-def definitions(force_bandwidth: float) -> dict[str, Any]:
-    """What an answer says of its peak spring forces: their cut-off (Hz)."""
-    return {FORCE: {"below": {"value": force_bandwidth, "unit": "Hz"}}}
-
-
 def check_inputs(run: SavedRun) -> None:
     """Raise :class:`InputError` where the inputs of a saved run have changed; a run without a
     digest passes.

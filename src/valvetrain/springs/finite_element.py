@@ -225,7 +225,7 @@ def curve_over(rod: RodModel, compressions: Array) -> tuple[StaticCurve, list[Eq
     coil = wire_points(rod.definition.total_coils)
     heights = (
         np.stack([point.state.position[:, 2] for point in reached])
-        @ interpolation(rod.mesh, coil).T
+        @ interpolation(rod.mesh.coil_number, coil).T
     )
     upper, gap, pressed = pair_values(
         rod, np.stack([rod.statics.gaps(point.state.position) for point in reached])
@@ -301,7 +301,7 @@ def modal_result(rod: RodModel, count: int = 24, attached_mass: float | None = N
     end_mass = None if attached_mass is None else attached_mass + rod.end_mass
     modes = natural_modes(rod.statics, rod.installed.state, count, end_mass)
     coil = wire_points(rod.definition.total_coils)
-    shape = np.einsum("mvc,pv->mpc", modes.shape, interpolation(rod.mesh, coil))
+    shape = np.einsum("mvc,pv->mpc", modes.shape, interpolation(rod.mesh.coil_number, coil))
     largest = np.abs(shape).max(axis=(1, 2), keepdims=True)
     found = ModalResult(
         compression=rod.precompression,

@@ -33,12 +33,8 @@ def wire_points(total_coils: float) -> Array:
     return np.arange(int(total_coils * POINTS_PER_COIL + 1e-9) + 1) / POINTS_PER_COIL
 
 
-def interpolation(mesh: RodMesh, coil: Array) -> Array:
-    """Cubic interpolation matrix (points, nv) from vertices to coil numbers."""
-    return _cubic(mesh.coil_number, coil)
-
-
-def _cubic(vertices: Array, coil: Array) -> Array:
+def interpolation(vertices: Array, coil: Array) -> Array:
+    """Cubic interpolation matrix (points, nv) from ``vertices``, which are coil numbers (nv,), to others (points,)."""
     step = vertices[1] - vertices[0]
     place = np.clip((coil - vertices[0]) / step, 0.0, len(vertices) - 1.0)
     base = np.clip(np.floor(place).astype(int) - 1, 0, len(vertices) - 4)
@@ -61,7 +57,7 @@ def section_interpolation(mesh: RodMesh, coil: Array) -> Array:
     ends = mesh.coil_number[mesh.first], mesh.coil_number[mesh.last]
     inside = (coil >= ends[0] - 1e-9 * step) & (coil <= ends[1] + 1e-9 * step)
     matrix = np.zeros((len(coil), mesh.vertices))
-    matrix[np.flatnonzero(inside), free] = _cubic(mesh.coil_number[free], coil[inside])
+    matrix[np.flatnonzero(inside), free] = interpolation(mesh.coil_number[free], coil[inside])
     return matrix
 
 
@@ -112,7 +108,7 @@ def rod_channels(
     if mesh.guide is not None:
         values["guide_force"] = mesh.guide.pressed(run.position, mesh.node_length)
     if whole:
-        at, strains = interpolation(mesh, coil), _strains(mesh, run.position, run.frame)
+        at, strains = interpolation(mesh.coil_number, coil), _strains(mesh, run.position, run.frame)
         interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
         axial_velocity = speed @ at.T
         elastic, contact = _energies(model, strains, gaps, run)

@@ -424,7 +424,9 @@ class ReducedRod:
     def _installed(self) -> tuple[Array, Array]:
         """Coil numbers of the wire points, and their heights (m) as installed."""
         coil = wire_points(self.rod.definition.total_coils)
-        return coil, interpolation(self.rod.mesh, coil) @ self.rod.installed.state.position[:, 2]
+        return coil, interpolation(
+            self.rod.mesh.coil_number, coil
+        ) @ self.rod.installed.state.position[:, 2]
 
     def contact_watch(self) -> ContactWatch | None:
         """Force and stored energy of every coil pair, which the kernel leaves behind its scratch."""

@@ -50,7 +50,7 @@ def wire_tables(
     """
     mesh = bare.mesh
     coil = wire_points(total_coils)
-    at, on_wire = interpolation(mesh, coil), section_interpolation(mesh, coil)
+    at, on_wire = interpolation(mesh.coil_number, coil), section_interpolation(mesh, coil)
     axial = np.zeros((len(shapes), mesh.vertices, shapes[0].shape[1]))
     axial[:, mesh.first + 1 : mesh.last] = [shape[2::3] for shape in shapes]
     return WireTables(

@@ -9,7 +9,7 @@ from valvetrain.findings.rules_train import CAUSES as WHY_LOST
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Cause, Event
+from valvetrain.solution.status import Cause
 from valvetrain.views.shown import Shown, ShownStudy
 from valvetrain.views.side_by_side import model_table, published_rows
 from valvetrain.views.table import TextTable
@@ -103,7 +103,9 @@ def events(answer: ShownStudy) -> TextTable:
     """The largest events of each run that decides: where, when, how large, and why."""
     rows = []
     for run in answer.facts.runs:
-        for one in _largest(run):
+        lead = [one for one in run.events if one.kind != "seating" or one.details.get("touch") == 1]
+        lead.sort(key=lambda one: (one.kind not in CONTROL or not one.counts, -one.size))
+        for one in sorted(lead[:EVENTS], key=lambda one: one.cam_angle):
             angle = Amount("loft_cam_angle", one.cam_angle % TURN)
             size = Amount(SIZES.get(one.unit, "clash_count"), one.size)
             lasts = Amount("loft_duration", one.duration)
@@ -112,14 +114,6 @@ def events(answer: ShownStudy) -> TextTable:
             rows.append((_head(answer, run), kind, one.where.replace("_", " "), *texts, why))
     heads = ("run", "event", "where", "begins", "size", "lasts", "cause")
     return TextTable("Events", heads, tuple(rows))
-
-
-def _largest(run: Solution) -> list[Event]:
-    lead = [one for one in run.events if one.kind != "seating" or one.details.get("touch") == 1]
-    largest = sorted(lead, key=lambda one: (one.kind not in CONTROL or not one.counts, -one.size))[
-        :EVENTS
-    ]
-    return sorted(largest, key=lambda one: one.cam_angle)
 
 
 def critical(answer: ShownStudy) -> TextTable:
