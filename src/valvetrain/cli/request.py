@@ -27,7 +27,6 @@ from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Fields,
     Option,
-    dask_option,
     flagged,
     option,
     options_of,
@@ -36,7 +35,7 @@ from valvetrain.runs.request_fields import (
     read_switch,
     read_text,
 )
-from valvetrain.runs.requests import ParallelRequest
+from valvetrain.runs.requests import Clustered, ParallelRequest
 
 RequestOf = TypeVar("RequestOf", bound=Fields)
 LineOf = TypeVar("LineOf", bound="CommandLine")
@@ -133,10 +132,8 @@ class SavedLine(FolderLine):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DaskLine(SavedLine):
+class DaskLine(Clustered, SavedLine):
     """The command line of a request that a cluster can compute."""
-
-    dask: str = dask_option()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from valvetrain.runs.cost import FEWER, Cost, Limits, cost_text, refuse_cost
-from valvetrain.runs.request_fields import dask_option, option, read_path
-from valvetrain.runs.requests import Limited, Parallel
+from valvetrain.runs.request_fields import option, read_path
+from valvetrain.runs.requests import Clustered, Limited, Parallel
 
 
 def silent(done: float, text: str) -> None:
@@ -32,7 +32,7 @@ class Watch:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Execution(Parallel, Limited):
+class Execution(Clustered, Parallel, Limited):
     """How points are computed: by which workers or cluster, where they are stored, and what they may cost."""
 
     output: Path | None = option(
@@ -41,4 +41,3 @@ class Execution(Parallel, Limited):
         "--output",
         "FOLDER",
     )
-    dask: str = dask_option()

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -138,63 +138,29 @@ def bind_clearances(springs: Sequence[InstalledSpring], largest: float) -> dict[
 _CHANNELS = ("kinetic_energy", "elastic_energy", "work_done", "energy_dissipated")
 
 
-@dataclass(frozen=True, eq=False)
-class EnergyBalance:
-    """Energies (sample) in J from the first sample on; ``imbalance = stored + dissipated - work``.
-
-    ``scale`` (J): span of the work done, which the imbalance is measured against.
-    """
-
-    cam_angle: Array
-    kinetic: Array
-    stored: Array
-    dissipated: Array
-    work: Array
-    imbalance: Array
-    scale: float
-
-
-def energy_balance(solution: Solution) -> EnergyBalance | None:
-    """Energy balance over the whole run; None for a model without energies."""
-    if not solution.has(*_CHANNELS):
-        return None
-    kinetic = solution.channel("kinetic_energy")
-    contact = (
-        solution.channel("contact_energy")
-        if solution.has("contact_energy")
-        else np.zeros_like(kinetic)
-    )
-    stored = kinetic + solution.channel("elastic_energy") + contact
-    stored = stored - stored[0]
-    work = solution.channel("work_done") - solution.channel("work_done")[0]
-    dissipated = solution.channel("energy_dissipated") - solution.channel("energy_dissipated")[0]
-    return EnergyBalance(
-        solution.cam_angle,
-        kinetic,
-        stored,
-        dissipated,
-        work,
-        stored + dissipated - work,
-        float(np.ptp(work)),
-    )
-
-
 def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, float]:
     """Energy imbalance and the energy turned to heat (J): in the whole run and, of a whole cycle,
-    by the springs' damping.
+    by the springs' damping. Nothing of a model without energies.
+
+    The imbalance is stored energy plus heat less work, from the first sample on, over the span of the work.
     """
-    balance = energy_balance(solution)
-    if balance is None:
+    if not solution.has(*_CHANNELS):
         return {}
+    kinetic, elastic, work, heat = (solution.channel(name) for name in _CHANNELS)
+    stored = kinetic + elastic
+    if solution.has("contact_energy"):
+        stored = stored + solution.channel("contact_energy")
+    heat = heat - heat[0]
+    scale = float(np.ptp(work))
     # zero where no work was done and none is missing
-    largest = float(np.max(np.abs(balance.imbalance), initial=0.0))
+    imbalance = np.abs(stored - stored[0] + heat - (work - work[0]))
+    largest = float(np.max(imbalance, initial=0.0))
     found = {
-        "energy_imbalance_ratio": largest / balance.scale if balance.scale > 0 else largest,
-        "dissipated_energy": float(balance.dissipated[-1]),
+        "energy_imbalance_ratio": largest / scale if scale > 0 else largest,
+        "dissipated_energy": float(heat[-1]),
     }
     if cycle is not None and cycle.whole:
         start, end = cycle.samples.start, cycle.samples.stop
-        heat = balance.dissipated
         last = (
             heat[end] if end < len(heat) else 2 * heat[-1] - heat[-2]
         )  # the sample that closes it

@@ -58,14 +58,6 @@ def option(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def dask_option() -> Any:
-    """The field of a cluster that computes a request."""
-    meaning = (
-        "Compute on a Dask cluster: 'local', the address of a scheduler, or the path of its file."
-    )
-    return option(read_text, meaning, "--dask", "CLUSTER", default="")
-
-
 def options_of(model: type[Any]) -> dict[str, Option]:
     """Name of each field -> its option, those of the class itself before those that it inherits."""
     fields = {one.name: one for one in dataclasses.fields(model) if "option" in one.metadata}

@@ -73,6 +73,19 @@ class Limited(Fields):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Clustered(Fields):
+    """What a cluster can compute."""
+
+    dask: str = option(
+        read_text,
+        "Compute on a Dask cluster: 'local', the address of a scheduler, or the path of its file.",
+        "--dask",
+        "CLUSTER",
+        default="",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Parallel(Fields):
     """A request of several runs at a time."""
 

@@ -18,7 +18,7 @@ from valvetrain.cosserat.end_coils import EndCoils
 from valvetrain.cosserat.guide import walls
 from valvetrain.cosserat.layout import ROW, STRIDE, row
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
-from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.state import RodState, free_state
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.cosserat.time_stepping import LAW
 from valvetrain.cosserat.turning import TurningStatics
@@ -156,7 +156,7 @@ class RodModel:
         if self.ends_lift:  # above its free length it is free
             compression = max(compression, 0.0)
         if compression == 0.0:
-            return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
+            return self.statics.solve(free_state(self.mesh), 0.0)
         # Every other state is reached from the installed one, so that the answer does not depend on
         # what was computed before.
         away = retainer_displacement != 0.0

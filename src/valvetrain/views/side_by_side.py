@@ -162,7 +162,8 @@ ROLES = {"calibration": "fitted", "check": "not fitted", "prediction": "predicte
 
 
 def paper_table(comparisons: Sequence[Comparison]) -> TextTable | None:
-    """Peak forces here, in the paper and by the case that was not fitted, by engine speed; of the paper's first method.
+    """Peak forces here, in the paper and by the case that was not fitted (``778/818/817``), by engine speed; of the paper's first
+    method.
 
     Parameters
     ----------
@@ -179,6 +180,12 @@ def paper_table(comparisons: Sequence[Comparison]) -> TextTable | None:
     ]  # fmt: skip
     origin = known[0].origin if known else ""
     rows = {(row.quantity, row.engine_speed or 0.0): row for row in known if row.origin == origin}
+    texts = {
+        key: "/".join(
+            filter(None, (value_text(row, one) for one in (row.computed, row.published, row.blind)))
+        )
+        for key, row in rows.items()
+    }
     speeds = sorted({speed for _, speed in rows})
     if len(rows) < LEAST_ROWS or len(speeds) < LEAST_SPEEDS:
         return None
@@ -187,22 +194,12 @@ def paper_table(comparisons: Sequence[Comparison]) -> TextTable | None:
     lines = [
         (
             label_of(name).removesuffix(" force"),
-            *(cell(rows[name, speed]) if (name, speed) in rows else "" for speed in speeds),
+            *(texts.get((name, speed), "") for speed in speeds),
         )
         for name in dict.fromkeys(quantity for quantity, _ in rows)
     ]
     head = f"here/paper{'/blind' * blind}, {unit}"
     return TextTable("Here and in the paper", (head, *map(speed_text, speeds)), tuple(lines))
-
-
-def cell(row: Comparison) -> str:
-    """``778/818/817``: computed, printed, computed blind."""
-    texts = (
-        value_text(row, row.computed),
-        value_text(row, row.published),
-        value_text(row, row.blind),
-    )
-    return "/".join(filter(None, texts))
 
 
 def value_text(row: Comparison, value: float | None) -> str:
