@@ -264,7 +264,7 @@ BUILT_IN["figures"] = {
 BUILT_IN["tables"] = {
     "findings": "valvetrain.views.tables:findings",
     "numbers": "valvetrain.views.tables:numbers",
-    "published/published": "valvetrain.views.tables:published",
+    "published/published": "valvetrain.views.side_by_side:published",
     "published/source": "valvetrain.views.tables:source",
     "events": "valvetrain.views.tables:events",
     "searched/critical": "valvetrain.views.tables:critical",

@@ -134,7 +134,7 @@ def test_a_spring_without_a_lift_law_has_statics_and_modes_and_no_motion():
         lambda case: simulate(case, engine_speeds=[200.0]),
         lambda case: sweep(case, [200.0]),
     ):
-        with pytest.raises(InputError, match="has no lift law, so nothing moves"):
+        with pytest.raises(InputError, match="lift law"):
             ask(load_case("clamped-helix"))
 
 

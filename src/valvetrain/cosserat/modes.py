@@ -109,11 +109,14 @@ def natural_modes(
     vectors = vectors if end_mass is None else vectors[:-1]
     transmission, axial_stiffness = np.zeros(count), 0.0
     if statics.loads is None:
-        reactions = _end_reactions(statics, tangent, vectors)
+        # axial reactions (modes,) of seat and retainer to each shape
+        rows = tangent[2::6][:, free] @ vectors
+        on_seat = rows[: statics.mesh.first + 1].sum(axis=0)
+        on_retainer = rows[statics.mesh.last :].sum(axis=0)
         axial_stiffness = axial_rate(statics, state)
-        transmission = reactions[0] * reactions[1] / (2 * axial_stiffness * values)
+        transmission = on_seat * on_retainer / (2 * axial_stiffness * values)
         if end_mass is not None:
-            transmission = reactions[0] * travel * (1 / values + end_mass / (2 * axial_stiffness))
+            transmission = on_seat * travel * (1 / values + end_mass / (2 * axial_stiffness))
     full = np.zeros((len(free), count))
     full[free] = vectors
     full[6 * statics.mesh.last + 2 :: 6] = -travel
@@ -146,10 +149,3 @@ def _with_end(
     pull, own = end_coupling(statics, state, tangent)
     column = csc_matrix(pull[free][:, None])
     return bmat([[stiffness, column], [column.T, csc_matrix([[own]])]]).tocsc()
-
-
-def _end_reactions(statics: RodStatics, tangent: csc_matrix, vectors: Array) -> tuple[Array, Array]:
-    """Axial reaction (modes,) of seat and retainer to each shape."""
-    free, mesh = statics.free, statics.mesh
-    rows = tangent[2::6][:, free] @ vectors
-    return rows[: mesh.first + 1].sum(axis=0), rows[mesh.last :].sum(axis=0)

@@ -21,7 +21,6 @@ from valvetrain.springs.stress import (
     LOADS,
     STRESS_CHANNELS,
     nominal_stress_per_force,
-    uncorrected_stress_per_force,
     wire_stress,
 )
 
@@ -79,7 +78,7 @@ def _nominal(cycle: Cycle, spring: InstalledSpring) -> dict[str, float]:
     found = {
         "open_nominal_shear_stress": factor * opened,
         "closed_nominal_shear_stress": factor * closed,
-        UNCORRECTED: uncorrected_stress_per_force(spring.wire) * opened,
+        UNCORRECTED: nominal_stress_per_force(spring.wire, corrected=False) * opened,
     }
     coils = np.linspace(0.0, spring.wire.total_coils, 201)
     thickest = float(np.max(spring.wire.wire_diameter.value(coils)))

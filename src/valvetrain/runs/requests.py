@@ -181,13 +181,6 @@ class SpeedRequest(SpringRequest, SteadyRequest):
     )
     whole: bool = option(read_switch, "Store the channels of every solution.", default=True)
 
-    def __post_init__(self) -> None:
-        """Raise :class:`InputError` for speeds of a case that has no motion."""
-        if self.engine_speeds and self.case.lift_law is None:
-            raise InputError(
-                f"case '{self.case.name}' has no lift law, so nothing moves at an engine speed; add a [lift_law] table"
-            )
-
     @cached_property
     def requested(self) -> RequestedOutputs | None:
         """The outputs that alone are computed; None for all."""
@@ -310,7 +303,6 @@ class Parts(Sweep):
 
     def __post_init__(self) -> None:
         """Raise :class:`InputError` for a case without a train, and several spring sets or models."""
-        super().__post_init__()
         train = self.case.train
         if train is None:
             raise InputError(

@@ -91,7 +91,7 @@ def rod_channels(
     values = {
         "valve_lift": run.displacement - model.precompression,
         "retainer_velocity": -speed[:, -1]
-        if mesh.vertices > mesh.last and not model.ends_lift
+        if mesh.vertices > mesh.last and model.dynamics.ends is None
         else np.gradient(run.displacement, run.time),
         "seat_force": run.seat_force,
         "retainer_force": run.retainer_force,

@@ -93,11 +93,6 @@ class RodModel:
                 f"retainer_rotation '{self.retainer_rotation}' of spring '{self.definition.name}' is unknown; use fixed or free"
             )
 
-    @property
-    def ends_lift(self) -> bool:
-        """Whether the end coils are bodies that lift off seat and retainer."""
-        return self.dynamics.ends is not None
-
     def _inactive(self, end: int) -> tuple[float, float]:
         """Mass (kg) and length (m) of the inactive wire at the seat (0) or the retainer (1)."""
         wire, free = self.definition, self.definition.free_coils
@@ -153,7 +148,7 @@ class RodModel:
 
     def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
         compression = self.precompression + retainer_displacement
-        if self.ends_lift:  # above its free length it is free
+        if self.dynamics.ends is not None:  # lifting, above its free length it is free
             compression = max(compression, 0.0)
         if compression == 0.0:
             return self.statics.solve(free_state(self.mesh), 0.0)
@@ -258,7 +253,7 @@ class RodModel:
         """
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement
         position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
-        if not self.ends_lift:
+        if self.dynamics.ends is None:
             position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
         frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
         return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
@@ -419,7 +414,7 @@ class RodModel:
         """Inactive wire on the retainer and half the last element (kg); none where they lift: then
         the force on the retainer contains their inertia.
         """
-        return 0.0 if self.ends_lift else self.end_mass
+        return self.end_mass if self.dynamics.ends is None else 0.0
 
     @property
     def end_mass(self) -> float:

@@ -458,7 +458,7 @@ def _why_not(rod: FiniteElementRod) -> str:
     name = rod.definition.name
     if rod.dynamics.contact_law.kernel is not None:
         return f"spring '{name}' has a contact law of its own, which a reduced rod does not know; use finite-element or multi-mass"
-    if rod.ends_lift:
+    if rod.dynamics.ends is not None:
         return f"the ends of spring '{name}' lift, which those of a reduced rod do not; use finite-element"
     return ""
 

@@ -152,23 +152,13 @@ def wire_stress(
     return {name: found[name] for name in STRESS_CHANNELS}
 
 
-def nominal_stress_per_force(wire: SpringDefinition) -> float:
+def nominal_stress_per_force(wire: SpringDefinition, corrected: bool = True) -> float:
     """Largest of k 8 D / (pi d**3) (Pa per N) over the free turns, k = (w + 0.5) / (w - 0.75), w =
     D / d (EN 13906-1).
+
+    Not ``corrected`` k is 1: the stress that the standard takes of a load at rest, without curvature and direct shear.
     """
-    diameter, mean = _free_turns(wire)
-    return float(np.max(bergstraesser(mean / diameter) * 8 * mean / (np.pi * diameter**3)))
-
-
-def uncorrected_stress_per_force(wire: SpringDefinition) -> float:
-    """Largest of 8 D / (pi d**3) (Pa per N) over the free turns: the stress that EN 13906-1 takes of a
-    load at rest, without curvature and direct shear.
-    """
-    diameter, mean = _free_turns(wire)
-    return float(np.max(8 * mean / (np.pi * diameter**3)))
-
-
-def _free_turns(wire: SpringDefinition) -> tuple[Array, Array]:
-    """Wire and mean diameter (m) along the free turns, (NOMINAL_SAMPLES,) each."""
     coil = np.linspace(*wire.free_coils, NOMINAL_SAMPLES)
-    return wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    factor = bergstraesser(mean / diameter) if corrected else 1.0
+    return float(np.max(factor * 8 * mean / (np.pi * diameter**3)))

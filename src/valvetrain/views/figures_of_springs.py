@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
 from valvetrain.findings.rules_rest import IN_USE, lift_of, orders_of, strongest
-from valvetrain.findings.springs_at_rest import State, Together, marks_of, pair_of, states_of
+from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.views.style import (
@@ -143,8 +143,10 @@ def static_curves(facts: Facts) -> go.Figure | None:
     if not some or facts.study.command == "modes":
         return None
     pair = pair_of(tuple(some))
+    from_installed = pair is not None  # else from the free length
     curves = [
-        (one.name or one.one.spring, one.one.curve.compression - _zero(one, pair), one.one.curve.force, one.one.curve.stiffness)
+        (one.name or one.one.spring, one.one.curve.compression - from_installed * one.one.precompression,
+         one.one.curve.force, one.one.curve.stiffness)
         for one in some
         if one.one.curve is not None and len(one.one.curve.compression) > 1
     ]  # fmt: skip
@@ -168,18 +170,13 @@ def static_curves(facts: Facts) -> go.Figure | None:
             "width": 1.2,
             "dash": "dot",
         }
-        here = 1e3 * (compression - _zero(marked, pair))
+        here = 1e3 * (compression - from_installed * marked.one.precompression)
         fig.add_vline(here, line=dash)
         fig.add_annotation(
             x=here, y=0.06 + 0.1 * place, yref="y domain", text=word, showarrow=False, xanchor="right",
             xshift=-3, font={"size": 11, "color": dash["color"]}, row=1, col=1,
         )  # fmt: skip
     return fig
-
-
-def _zero(one: State, pair: Together | None) -> float:
-    """Compression (m) of a spring at the zero of the axis: of a pair as installed, else none."""
-    return 0.0 if pair is None else one.one.precompression
 
 
 def _least_room(one: State) -> float:

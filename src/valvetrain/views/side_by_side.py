@@ -16,6 +16,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Comparison
 from valvetrain.springs.spec import spring_model
 from valvetrain.units.reader import shown_system
+from valvetrain.views.shown import ShownStudy
 from valvetrain.views.style import (
     BAD,
     LEAD,
@@ -72,7 +73,10 @@ def model_table(facts: Facts, words: Words) -> TextTable | None:
             for text in cells.values()
         ]
         lead = run is facts.models[0]
-        judged = "decides" if lead else _share(deviation(facts, run, facts.models[0]))
+        off, judged = deviation(facts, run, facts.models[0]), ""
+        if math.isfinite(off):
+            judged = f"{'good' if off <= GOOD else 'poor'}, {max(100 * off, 0.1):.2g} % off"
+        judged = "decides" if lead else judged
         good = [] if not several else ["" if lead else good_to(facts, run.model)]
         rows.append((run.model, *texts, judged, *good, spring_model(run.model).leaves_out))
     speed = speed_text(facts.speeds[-1])
@@ -96,12 +100,6 @@ def deviation(facts: Facts, run: Solution, lead: Solution) -> float:
     ]
     most = max((abs(other.value) for _, other in pairs), default=0.0)
     return max(abs(one.value - other.value) for one, other in pairs) / most if most else math.nan
-
-
-def _share(value: float) -> str:
-    if not math.isfinite(value):
-        return ""
-    return f"{'good' if value <= GOOD else 'poor'}, {max(100 * value, 0.1):.2g} % off"
 
 
 def good_to(facts: Facts, model: str) -> str:
@@ -215,10 +213,10 @@ def value_text(row: Comparison, value: float | None) -> str:
     return f"{float(shown(row.quantity, value)[0]):.{places}f}".replace("-", "−")
 
 
-def published_rows(comparisons: Sequence[Comparison]) -> list[tuple[str, ...]]:
-    """Every printed value as texts: quantity, rpm, method, unit, paper, here, blind, off, used, doubt."""
+def published(answer: ShownStudy) -> TextTable:
+    """Every printed value next to those computed here and blind."""
     rows: list[tuple[str, ...]] = []
-    for row in comparisons:
+    for row in answer.study.comparisons:
         share = row.relative_difference
         off = "" if share is None else f"{100 * share:+.0f} %".replace("-", "−")
         speed = "" if row.engine_speed is None else f"{row.engine_speed / RPM:.0f}"
@@ -241,4 +239,7 @@ def published_rows(comparisons: Sequence[Comparison]) -> list[tuple[str, ...]]:
                 row.doubt,
             )
         )
-    return rows
+    heads = (
+        "quantity", "rpm", "method", "unit", "paper", "here", "blind", "off", "used", "doubt",
+    )  # fmt: skip
+    return TextTable("Here and in the paper", heads, tuple(rows))

@@ -11,7 +11,7 @@ from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause
 from valvetrain.views.shown import Shown, ShownStudy
-from valvetrain.views.side_by_side import model_table, published_rows
+from valvetrain.views.side_by_side import model_table
 from valvetrain.views.table import TextTable
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
@@ -81,16 +81,6 @@ def _short(one: Amount, size: float) -> str:
     coarse = one.bar > COARSE * abs(one.value)
     text = f"{text} ± {digits_text(one.bar / size, one.bar / size)}" if coarse else text
     return f"{text} *" if one.rests_on else text
-
-
-def published(answer: ShownStudy) -> TextTable:
-    """Every printed value next to those computed here and blind."""
-    heads = (
-        "quantity", "rpm", "method", "unit", "paper", "here", "blind", "off", "used", "doubt",
-    )  # fmt: skip
-    return TextTable(
-        "Here and in the paper", heads, tuple(published_rows(answer.study.comparisons))
-    )
 
 
 def source(answer: ShownStudy) -> TextTable:
