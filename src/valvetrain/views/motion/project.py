@@ -20,7 +20,6 @@ from valvetrain.views.motion.parts import (
     Colouring,
     Moving,
     Places,
-    Series,
     Shape,
     SpringDrawing,
     Variant,
@@ -47,6 +46,11 @@ def motion_data(moving: Moving) -> dict[str, Any]:
 
 
 def _variant(one: Variant) -> dict[str, Any]:
+    forces = []
+    for series in one.forces:
+        x, y = thinned(np.degrees(series.cam_angle), series.values * reader_factor("N"))
+        curve = {"angle": single(x), "values": single(y)}
+        forces.append({"words": series.label, "colour": series.colour, **curve})
     return {
         "label": one.label,
         "words": one.title,
@@ -59,7 +63,7 @@ def _variant(one: Variant) -> dict[str, Any]:
         "lift": single(MM * reader_factor("mm") * one.valve_lift),  # which is printed alone
         "springs": [_spring(spring) for spring in one.springs],
         "bodies": [_body(body) for body in one.bodies],
-        "forces": [_series(series) for series in one.forces],
+        "forces": forces,
         "marks": [
             {
                 "angle": round(float(np.degrees(mark.cam_angle)), 3),
@@ -123,11 +127,6 @@ def _body(body: Body) -> dict[str, Any]:
         "fixed": fixed,
         "pose": single(pose[:1] if fixed else pose),
     }
-
-
-def _series(series: Series) -> dict[str, Any]:
-    x, y = thinned(np.degrees(series.cam_angle), series.values * reader_factor("N"))
-    return {"words": series.label, "colour": series.colour, "angle": single(x), "values": single(y)}
 
 
 def single(values: ArrayLike) -> str:
