@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from valvetrain.arrays import Array
-from valvetrain.coil_contact.law import contact_response
+from valvetrain.coil_contact.law import ContactResponse, contact_response
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition
@@ -60,17 +60,17 @@ def stiffness_matrix(layout: ChainLayout, tangent: Array) -> Array:
     return element_matrix(layout) + rows.T @ ((layout.contacts.stiffness * tangent)[:, None] * rows)
 
 
-def contact_tangents(layout: ChainLayout, nodes: Array) -> Array:
-    """Tangent (p,) of every contact over its stiffness: 0 where it is open, 1 where the linear law
-    presses.
+def contact_responses(layout: ChainLayout, nodes: Array) -> ContactResponse:
+    """Force, tangent and energy (p,) of every contact over its stiffness; the tangent is 0 where it is open, 1 where the
+    linear law presses.
     """
-    return contact_response(layout.contacts.law, contact_depths(layout, nodes)).tangent
+    return contact_response(layout.contacts.law, contact_depths(layout, nodes))
 
 
 def potential(layout: ChainLayout, nodes: Array) -> tuple[float, float]:
     """Elastic energy of the elements and of the contacts (J)."""
     contacts = layout.contacts
-    stored = contact_response(contacts.law, contact_depths(layout, nodes)).energy
+    stored = contact_responses(layout, nodes).energy
     return float(layout.stiffness @ np.diff(nodes) ** 2 / 2), float(contacts.stiffness @ stored)
 
 
@@ -85,7 +85,7 @@ def solve_static(layout: ChainLayout, compression: float, iterations: int = 200)
     nodes: Array = compression * flow / flow[-1]
     scale = layout.rate * max(abs(compression), 1e-6)
     for _ in range(iterations):
-        found = contact_response(layout.contacts.law, contact_depths(layout, nodes))
+        found = contact_responses(layout, nodes)
         push = layout.contacts.stiffness * found.elastic
         residual = (elements @ nodes + push @ rows)[1:-1]
         if np.max(np.abs(residual)) < 1e-11 * scale * len(nodes):
@@ -119,7 +119,7 @@ def static_curve(layout: ChainLayout, compressions: Array) -> tuple[Array, Array
     force, rate = np.zeros(len(compressions)), np.zeros(len(compressions))
     for i, compression in enumerate(compressions):
         nodes = solve_static(layout, float(compression))
-        found = contact_response(layout.contacts.law, contact_depths(layout, nodes))
+        found = contact_responses(layout, nodes)
         matrix = stiffness_matrix(layout, found.tangent)
         pushed = (layout.contacts.stiffness * found.elastic) @ contact_rows(layout)
         force[i] = (element_matrix(layout) @ nodes + pushed)[-1]
@@ -132,7 +132,7 @@ def frequencies(layout: ChainLayout, compression: float, count: int) -> Array:
     """First ``count`` natural frequencies (Hz), both ends fixed, about the static state at a
     compression (m); touching coils stay closed.
     """
-    closed = contact_tangents(layout, solve_static(layout, compression))
+    closed = contact_responses(layout, solve_static(layout, compression)).tangent
     root = 1 / np.sqrt(layout.masses)
     matrix = root[:, None] * stiffness_matrix(layout, closed)[1:-1, 1:-1] * root
     return np.asarray(np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi))

@@ -51,7 +51,7 @@ def spring_matrices(
 
 def _chain(model: MultiMassSpring, retainer_displacement: float) -> SpringMatrices:
     nodes = chain_statics.solve_static(model.layout, model.precompression + retainer_displacement)
-    touching = chain_statics.contact_tangents(model.layout, nodes)
+    touching = chain_statics.contact_responses(model.layout, nodes).tangent
     stiffness = chain_statics.stiffness_matrix(model.layout, touching)[1:, 1:]
     return SpringMatrices(np.append(model.layout.masses, model.retainer_mass()), stiffness)
 

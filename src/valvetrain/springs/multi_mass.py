@@ -305,7 +305,7 @@ class MultiMassSpring:
                 self.layout.stiffness[-1]
             )
         nodes = self._nodes(state, retainer_displacement)
-        tangent = chain_statics.contact_tangents(self.layout, nodes)
+        tangent = chain_statics.contact_responses(self.layout, nodes).tangent
         last = self._contact_rows[:, -1]
         return float(self.layout.stiffness[-1] + self.layout.contacts.stiffness * tangent @ last**2)
 
