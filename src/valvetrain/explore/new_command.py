@@ -11,7 +11,6 @@ from dataclasses import dataclass, make_dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import typer
 
 from valvetrain.cli.request import AnswerLine, command_without_case
@@ -191,7 +190,7 @@ def _with_room(text: str) -> str:
         return text
     mechanism = gear.mechanism
     contour = mechanism.tables[mechanism.interactions[mechanism.interaction_index("cam")].table]
-    needed = wide + NOSE - float(np.min(curvature_radius_flat(contour)))
+    needed = wide + NOSE - float(curvature_radius_flat(contour).min())
     if needed <= train.cam.base_radius:
         return text
     return with_value(text, key, f"{math.ceil(needed * 1e3)} mm")

@@ -241,7 +241,7 @@ def apart(facts: Facts) -> Hits:
         distance, near = min(
             (abs(one[0] / two[0] - 1), (one, two)) for one in outer for two in inner
         )
-        fields: Fields = {"apart": f"{100 * share:.2g} %", "width": f"{100 * width:.2g} %"}
+        fields = {"apart": f"{100 * share:.2g} %", "width": f"{100 * width:.2g} %"}
         if distance < width:
             (speed, order), (_, other) = near
             fields |= {"speed": f"{about(speed)} rpm", "order": str(order), "other": str(other)}
