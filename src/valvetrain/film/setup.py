@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from valvetrain.errors import InputError
 from valvetrain.runs.request_fields import (
     Answers,
@@ -48,6 +46,8 @@ def read_ends(given: Any, where: str) -> Ends:
 
 
 def _numbers(given: Any, count: int, where: str) -> list[Point]:
+    import numpy as np
+
     try:
         parts = given.split(",") if isinstance(given, str) else given
         flat = np.ravel(np.array(parts, dtype=float)).tolist()
