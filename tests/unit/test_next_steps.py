@@ -18,7 +18,7 @@ from valvetrain.views.terminal import screen
 
 #: Fields of steps -> what a result puts there.
 FIELDS = {
-    "case": "engine.toml", "round": "6730", "better": "finite-element", "next": "sweep", "model": "wave-rod", "file": "test.csv",
+    "case": "engine.toml", "stem": "engine", "round": "6730", "better": "finite-element", "next": "sweep", "model": "wave-rod", "file": "test.csv",
     "test": "test.csv", "shared": "spring.damping", "ratio": "0.02", "value": "400 Hz", "speed": "6600 rpm", "command": "run",
     "remedy": "", "message": "", "pair": "runs/a runs/b", "step": "", "again": "lobe.dat --draws 8", "template": "pushrod",
     "speeds": " --rpm 6600rpm", "beyond": "7000:8000:250", "first": "6500", "red": "6800", "reach": "3000-6800 rpm", "set": "stock",

@@ -50,9 +50,12 @@ def cases(line: CasesLine) -> None:
             "command": "cases",
             "cases": [{key: getattr(one, key) for key in keys} for one in found],
         }
-        rows = [(one.name, one.title, ", ".join(one.sources)) for one in found]
-        table = plain_table(("name", "title", "source"), rows)
-        deliver(Outcome(data, lambda console: console.print(table)))
+        rows = [
+            (one.name, ", ".join(one.holds), one.title, ", ".join(one.sources)) for one in found
+        ]
+        table = plain_table(("name", "holds", "title", "source"), rows)
+        step = "next: valvetrain run NAME, or valvetrain new my-engine --kind pushrod for your own"
+        deliver(Outcome(data, lambda console: console.print(table, step, sep="\n")))
         return
     if line.name not in library_names():
         raise InputError(

@@ -123,7 +123,7 @@ def _lash(case: Case, name: str) -> str:
     in_use = top = _top(case)
     while top > SHARES[0] * SLOWER * in_use and _loses_contact(case, top):
         top *= SLOWER
-    kept = f"; above {top:.0f} rpm the valve leaves its cam" if top < in_use else ""
+    kept = f"; up to {top:.0f} rpm the valve follows its cam" if top < in_use else ""
     speeds = ", ".join(f"{share * top:.0f}" for share in SHARES)
     usual = to_unit(case.train.lash, "mm") or USUAL_LASH
     lashes = ", ".join(f"{share * usual:.4g}" for share in LASHES)

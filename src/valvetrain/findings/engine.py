@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
 
 from valvetrain.findings.words import RPM, Amount, Phrase, Said, Words
@@ -237,7 +238,8 @@ def _finding(rule: Rule, hits: Sequence[Hit], facts: Subject, words: Words) -> F
     hit = max(hits, key=lambda one: one.rank)
     amount, run = hit.amount, hit.run
     case = words.case or facts.case
-    values: dict[str, Said] = {"case": case, "file": "" if facts.verb or " --" in case else case}
+    file = "" if facts.verb or " --" in case else case
+    values: dict[str, Said] = {"case": case, "file": file, "stem": PurePath(file).stem}
     if amount is not None:
         values["value"] = amount
         if hit.limit is not None:

@@ -169,7 +169,7 @@ RULES = (
     Rule("K110", "warns", "the peak on the seat is a spike[ {at}][, {value} high]; below 10 kHz it is {smooth}", spike, FORCE[:1],
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,
-         "[cam order {order}]", SWEEP, "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),
+         "[cam order {order}]", "valvetrain modes {case}", "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),
     Rule("G102", "notes", "surge of {value}[ {at}][, cam order {order}]", surge, SURGE, remark="[of {left} to spare][, order {order}]",
          guide="how-to/20-orders.md", mark="ok", unless=("G101",)),
     Rule("K120", "notes", "coils rest on each other at lift ({pairs}), which is no blow", resting, ("clash_count",)),

@@ -274,7 +274,7 @@ FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 PISTON = ("minimum_piston_clearance_gap",)
 NEEDED = ("needed_closed_spring_force", "needed_open_spring_force", "needed_spring_rate")
 SWEEP = "valvetrain sweep {case}"
-LASH = "[valvetrain new lash --kind lash --case {file} && valvetrain study lash.toml]"
+LASH = "[valvetrain new {stem}-lash --kind lash --case {file} && valvetrain study {stem}-lash.toml]"
 AGAIN = "[, {repeats}][, height within {scatter:2} from cycle to cycle]"
 
 RULES = (

@@ -26,7 +26,7 @@ SAID = ("M", "H", "W", "F", "N", "Q", "J", "Y")
 #: How next steps begin that take ``--units``.
 WITH_UNITS = tuple(f"valvetrain {one} " for one in (
     "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "scan", "film",
-    "rig", "compare-test", "study --parts",
+    "rig", "compare-test", "study",
 ))  # fmt: skip
 
 
@@ -144,16 +144,20 @@ class Shown(ABC):
     def next_step(self) -> str:
         """What to run or do next: that of the first finding besides notes that has one, but not this command again."""
         steps = (one.step for one in self.findings if one.level != "notes")
-        step = next((one for one in steps if one and one != self.again), "")
-        words: Any = getattr(self, "words", None)
-        keeps = words is not None and words.units != "si" and step.startswith(WITH_UNITS)
-        return f"{step} --units {words.units}" if keeps else step
+        return self._in_units(next((one for one in steps if one and one != self.again), ""))
 
     @property
     def further_step(self) -> str:
         """A command of a note, which answers another question."""
         steps = (one.step for one in self.findings if one.level == "notes")
-        return next((one for one in steps if one.startswith("valvetrain ")), "")
+        return self._in_units(next((one for one in steps if one.startswith("valvetrain ")), ""))
+
+    def _in_units(self, step: str) -> str:
+        """The command in the units of this answer, of several commands the last one."""
+        words: Any = getattr(self, "words", None)
+        last = step.rpartition("&& ")[2]
+        keeps = words is not None and words.units != "si" and last.startswith(WITH_UNITS)
+        return f"{step} --units {words.units}" if keeps else step
 
     def for_reader(self) -> Shown:
         """The same in the units that the reader asked for, where it is in SI."""
