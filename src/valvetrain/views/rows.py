@@ -15,6 +15,7 @@ from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_sweep import (
     ALIKE,
     SPEED,
+    STRESS,
     SURGING,
     amplitudes,
     gains,
@@ -96,8 +97,6 @@ class Row:
         return tuple(name for text in self.texts for name in fields_of(text))
 
 
-#: Stress amplitudes that wires bear without end.
-ENDLESS = [f"{(high - low) / 2e6:.0f} MPa {word}" for word, (low, high) in FATIGUE_RANGES.items()]
 SEAT = "{minimum_spring_force..peak_spring_force}"
 #: A quantity that a row says as a place on the cam.
 PLACE = "peak_cam_contact_force_cam_angle"
@@ -238,7 +237,7 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     sets, more = [run.spring_set for run in runs], [round(one / RPM) for one in gains(facts)]
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
     between, surge = "of the speeds searched", most_surge(facts)
-    if more:
+    if len({*more}) > 1:
         between = f"{min(more)} to {max(more)} rpm apart by model and damping".replace("-", "−")
     most = [surge.get(name, (math.nan, 0.0)) for name in sets]
     cells = [
@@ -249,11 +248,15 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
         tuple(words.amount(found[name]) if name in found else "" for name in sets)
         for found in (most_stress(facts), amplitudes(facts))
     )
+    endless = " or ".join(
+        f"{words.amount(Amount(STRESS, (high - low) / 2))} {word}"
+        for word, (low, high) in FATIGUE_RANGES.items()
+    )
     lines = (
         Line("in control", ends, "", between),
         Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
         Line("most shear", peak, "", "in motion, of the speeds in use"),
-        Line("shear amplitude", amplitude, "", f"half its range in motion, endless to {' or '.join(ENDLESS)}"),
+        Line("shear amplitude", amplitude, "", f"half its range in motion, endless to {endless}"),
     )  # fmt: skip
     return [one for one in lines if any(one.cells)]
 
