@@ -94,7 +94,7 @@ def hardest(facts: Facts, run: Solution) -> str:
     if not math.isfinite(angle):
         return ""
     part = facts.struck(run) or lobe_part(facts, run, angle)
-    part = part.removeprefix("the ").removesuffix(" flank")
+    part = part.removeprefix("the ").removesuffix(" flank").removesuffix(" of the nose")
     return f"{part} {math.degrees(angle):.0f}".strip()
 
 

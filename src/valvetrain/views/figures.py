@@ -93,10 +93,8 @@ def control(facts: Facts) -> go.Figure | None:
     fig.add_trace(line(angle, force, f"on the cam, {run.label}", LEAD), 1, 1)
     peak = facts.amount(run, "peak_cam_contact_force")
     if peak is not None and peak.value > min(top, (1 + BETWEEN) * force.max()):
-        at, text = (
-            angle[int(np.argmax(force))],
-            f"most {Words(brief=True).amount(peak)}, {hardest(facts, run)}°",
-        )
+        most = f"most {Words(brief=True).amount(peak)}, " if peak.resolved else ""
+        at, text = angle[int(np.argmax(force))], f"{most}{hardest(facts, run)}°"
         fig.add_annotation(  # below the words of a loss and of a landing
             x=at, y=1 - 2 * WORD, yref="y domain", text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1,
         )  # fmt: skip
