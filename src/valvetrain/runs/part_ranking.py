@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -22,6 +21,7 @@ from valvetrain.runs.train_runs import preloads, prepare_trains, train_point
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import CriticalSpeeds, silent_from
 from valvetrain.solution.part_ranking import PartChange, PartRanking
+from valvetrain.solution.provenance import POUNDS
 from valvetrain.solution.status import PartialFailures, reason
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.system.build import build
@@ -43,8 +43,6 @@ COIL_BIND = 1.4e-3
 INCH, LASH = 0.0254, 50e-6
 #: Units in which changes are named -> seat loads that are added (N).
 LOADS = {("N", "mm"): (25.0, 50.0), ("lbf", "in"): (22.241108, 44.482216)}
-#: A value of a case file in pounds: its owner thinks in them.
-POUNDS = re.compile(r"""=\s*(\{\s*value\s*=\s*)?["'][^"']*\blbf""")
 #: Speeds searched, over the range of the train as it is: below its least and above its largest critical speed.
 BELOW, ABOVE = 0.94, 1.2
 #: Resolution of the search over the limit of the train as it is: changed trains are run every one and a half per
