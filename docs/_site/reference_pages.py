@@ -102,9 +102,7 @@ def plausible_page() -> str:
                 ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}".strip())
                 for value in (one.low, one.high)
             )
-            names = ", ".join(
-                f"`{head}`" if head == tail else f"`{head}*{tail}`" for head, tail in one.names
-            )
+            names = ", ".join(f"`{name}`" for name in one.names.split())
             shown = f" ({names})" if kind == "of a run" else ""
             lines.append(f"| {kind} | {one.label}{shown} | {low} | {high} | {one.reason} |")
     lines += [
