@@ -66,8 +66,8 @@ def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(
 ):
     """Speeds 100, 200 and 300 rad/s, then halves to 25 rad/s; the force is 1 N at all, also of the case."""
 
-    def point(point):
-        ended = Status("diverged", "did not end") if point.speed in fails else COMPLETED
+    def point(case, values, run, request):
+        ended = Status("diverged", "did not end") if run.engine_speed in fails else COMPLETED
         return Outcome(ended, {"peak_spring_force": 1.0})
 
     monkeypatch.setattr("valvetrain.explore.engine.evaluate", point)

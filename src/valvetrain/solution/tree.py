@@ -103,7 +103,7 @@ class Trunk:
 
 
 def _parts(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass, a named tuple or a table of options."""
+    """The fields of a dataclass, a named tuple or a table of options; the items of another tuple."""
     if is_dataclass(item):
         # channels as plain arrays: to label them would load xarray
         plain = {"channels": "arrays"} if isinstance(item, Solution) else {}
@@ -111,6 +111,8 @@ def _parts(item: Any) -> dict[str, Any]:
         return {name: getattr(item, plain.get(name, name)) for name in names} or {"": None}
     if hasattr(item, "_fields"):
         return dict(item._asdict())
+    if isinstance(item, tuple):
+        return {"": tuple(item)}
     if hasattr(type(item), "model_fields"):
         return {name: getattr(item, name) for name in type(item).model_fields} or {"": None}
     return {}
@@ -162,11 +164,13 @@ def _made(reference: str, parts: dict[str, Any]) -> Any:
         raise InputError(
             f"holds a '{reference[:80]}', which this version of valvetrain does not have; read it with the version that wrote it"
         ) from None
-    parts.pop("", None)
+    items = parts.pop("", None)
     if not isinstance(kind, type) or kind.__module__ != module:
         raise ValueError(f"'{reference[:60]}' is no class of results")
     if kind is Solution or hasattr(kind, "_fields"):
         return kind(**parts)
+    if issubclass(kind, tuple):
+        return kind(items)
     if hasattr(kind, "model_construct"):
         return kind.model_construct(**parts)
     if not is_dataclass(kind):

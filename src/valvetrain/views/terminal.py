@@ -54,7 +54,7 @@ def screen(answer: Shown, page: str = "", folder: str = "") -> Iterator[Renderab
         command = answer.next_step.startswith("valvetrain ")
         yield _line("next" if command else "to do", answer.next_step, wraps=not command)
     if answer.further_step:
-        yield _line("over lash", answer.further_step)
+        yield _line("also", answer.further_step)
     if folder and not page:
         yield _line("files", folder)
     if page:
