@@ -141,6 +141,11 @@ def test_what_a_search_could_not_see_and_two_motions_are_named():
     assert findings_of(pulled).verdict.code == "W101"
     both = sweep(lost("contact-loss", 6100, falling_engine_speed=5900 * RPM))
     assert findings_of(both).by("W112") and not findings_of(both).by("W114")
+    for study, code, spans in ((pulled, "W114", (5000, 5050)), (both, "W112", (5900, 6100))):
+        drawn = {one.code: one.spans for one in bars(Facts(study))}
+        assert drawn[code] == [tuple(pytest.approx(one * RPM) for one in spans)]
+        held = drawn[""]
+        assert all(end <= spans[0] * RPM or begin >= spans[1] * RPM for begin, end in held)
 
 
 @pytest.mark.parametrize(

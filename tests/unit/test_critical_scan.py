@@ -144,13 +144,16 @@ def test_a_run_that_ended_early_does_not_end_a_range_of_bounces() -> None:
     assert sample_of(replace(Solution(empty_channels()), **numbers), OPTIONS).unknown == {"bounce"}
 
 
-def hysteresis(back: float) -> Scan:
+def hysteresis(back: float, pulls: Holds = never) -> Scan:
     """A motion that jumps up at 7650 as the speed rises and back at ``back`` as it falls."""
 
     def run(engine_speed: float, orbit: object, precise: bool) -> SpeedSample:
         lost = engine_speed > (back if orbit == "high" else 7650)
         margin = -100.0 if lost else 7700 - engine_speed
-        return SpeedSample({KIND: margin}, {KIND: ("cam",)}, "high" if lost else "low")  # type: ignore[arg-type]
+        unknown = frozenset({KIND} if pulls(engine_speed) else ())
+        return SpeedSample(
+            {KIND: margin}, {KIND: ("cam",)}, "high" if lost else "low", unknown=unknown
+        )  # type: ignore[arg-type]
 
     return filled(Scan(run, RESOLUTION), grid(100))
 
@@ -161,6 +164,18 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
     assert row.engine_speed == pytest.approx(7650, rel=2e-6) and row.both_motions is not None
     assert row.both_motions[0] == pytest.approx(7120, abs=STEP / 2)
     assert critical_speed(KIND, hysteresis(7600), "own", OPTIONS).both_motions is None
+
+
+@pytest.mark.parametrize(
+    ("pulls", "regained"),
+    [(never, 7120), (lambda one: one < 7200, 7200), (lambda one: 7400 < one < 7640, math.nan)],
+)
+def test_two_motions_are_claimed_only_where_runs_say_what_is_kept(
+    pulls: Holds, regained: float
+) -> None:
+    """Contract: speeds at which the runs of the rising one said nothing were called those of two motions."""
+    found = hysteresis(7120, pulls).falling(KIND, 7650, STEP / 2)
+    assert found == pytest.approx(regained, abs=STEP / 2, nan_ok=True)
 
 
 def test_options_are_read_with_their_units_and_refused_where_they_cannot_be_meant() -> None:

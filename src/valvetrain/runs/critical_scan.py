@@ -261,18 +261,23 @@ class Scan:
     def falling(self, kind: str, begin: float, step: float) -> float:
         """Engine speed (rad/s) below which a falling speed regains control, where that is more than a short range below
         the onset ``begin``, else NaN: in steps of ``step``, each from the motion at the speed before. NaN too where
-        the motion does not repeat.
+        the motion does not repeat, and where runs just below the onset say nothing; it ends where they begin to.
         """
         above = [one for one in sorted(self.samples) if one >= begin and self.samples[one].lost(kind)]  # fmt: skip
-        if not above or not begin > 0:
+        below = max(
+            (at for at, one in self.samples.items() if at < begin and not one.lost(kind)),
+            default=0.0,
+        )
+        if not above or not below > 0 or not self.samples[below].kept(kind):
             return math.nan
         here, orbit = above[0], self.samples[above[0]].orbit
         lowest = min(self.samples)
         while orbit is not None and here > lowest:
-            here = max(here - step, lowest)
+            before, here = here, max(here - step, lowest)
             one = self.from_motion(here, orbit)
-            if one.kept(kind):
-                return here if here < (1 - NARROW) * begin else math.nan
+            if not one.lost(kind):
+                end = here if one.kept(kind) else before
+                return end if end < (1 - NARROW) * begin else math.nan
             orbit = one.orbit
         return math.nan
 
