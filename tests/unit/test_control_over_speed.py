@@ -141,7 +141,10 @@ def test_what_a_search_could_not_see_and_two_motions_are_named():
     assert findings_of(pulled).verdict.code == "W101"
     both = sweep(lost("contact-loss", 6100, falling_engine_speed=5900 * RPM))
     assert findings_of(both).by("W112") and not findings_of(both).by("W114")
-    for study, code, spans in ((pulled, "W114", (5000, 5050)), (both, "W112", (5900, 6100))):
+    up_to_it = sweep(lost("contact-loss", 6100, pulled=(bracket(5000, 6080),)))
+    for study, code, spans in (
+        (pulled, "W114", (5000, 5050)), (up_to_it, "W114", (5000, 6100)), (both, "W112", (5900, 6100))
+    ):  # fmt: skip
         drawn = {one.code: one.spans for one in bars(Facts(study))}
         assert drawn[code] == [tuple(pytest.approx(one * RPM) for one in spans)]
         held = drawn[""]

@@ -12,6 +12,7 @@ from valvetrain.findings.engine import Mark
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_measured import LIMITED, limit_of
 from valvetrain.findings.words import NOTHING, RPM
+from valvetrain.solution.critical import NARROW
 from valvetrain.units import to_unit
 from valvetrain.units.reader import shown_system
 from valvetrain.views.style import (
@@ -109,8 +110,13 @@ def _either(facts: Facts, label: str) -> Spans:
 
 
 def _unknown(facts: Facts, label: str) -> Spans:
-    spans = facts.control(label).unknown
-    return [(one.lower_engine_speed, one.upper_engine_speed) for one in spans]
+    """Where runs say nothing of control, up to a loss that begins at the next speed that was run."""
+    control, found = facts.control(label), Spans()
+    for one in control.unknown:
+        end = one.upper_engine_speed
+        begins = (loss.begin for loss in control.losses if end <= loss.begin <= (1 + NARROW) * end)
+        found.append((one.lower_engine_speed, min(begins, default=end)))
+    return found
 
 
 def _free(facts: Facts, label: str, first: float, last: float) -> Spans:
