@@ -362,3 +362,24 @@ def test_one_form_is_printed_and_json_carries_its_parts() -> None:
     assert mesh["engine_speed"]["value"] == pytest.approx(7301.2)
     assert model["pulled"][0]["upper"]["value"] == pytest.approx(6400)
     assert damping["engine_speed"] is None and not damping["lost_from_the_first"]
+
+
+@pytest.mark.parametrize(
+    ("margin", "pulls", "silent"),
+    [
+        (lambda one: 7500 - one, lambda one: one > 7380, True),
+        (lambda one: abs(one - 7500) - 20, lambda one: 7380 < one < 7620, False),
+        (lambda one: abs(one - 7500) - 100, lambda one: 7380 < one < 7620, True),
+        (lambda one: 100.0, lambda one: one > 7380, False),
+        (lambda one: 7500 - one, lambda one: 7000 < one < 7200, False),
+    ],
+)
+def test_control_is_not_known_where_runs_that_pull_lose_it(
+    margin: Margin, pulls: Holds, silent: bool
+) -> None:
+    """Over more than 2 % of the speed or up to the last one; runs that pull and keep control contradict nothing."""
+    row = row_of(margin, pulls=pulls)
+    assert row.pulled and bool(row.silent) is silent
+    if silent:
+        (one,) = row.silent
+        assert 7380 <= one.lower_engine_speed < 7500 <= one.upper_engine_speed

@@ -35,7 +35,7 @@ class Loss:
 class Control:
     """What a search found of a label: ``losses`` by their begin, and ``islands``, short ranges of lost contact below all
     of them in which the valve neither floats nor bounces; ``contact`` is the row of those. ``unknown``: ranges of which
-    the runs say nothing, and ``silent``: the engine speed (rad/s) from which that is more than a short range below the losses.
+    the runs say nothing, and ``silent``: the engine speed (rad/s) below the losses from which control is not known to be kept.
     """
 
     losses: tuple[Loss, ...] = ()
@@ -82,7 +82,7 @@ def control_of(study: Study, label: str) -> Control:
     contact = found.of("contact-loss", label)
     if contact is None:
         return Control(ordered)
-    silent = contact.silent_speed
+    silent = min((one.lower_engine_speed for one in contact.silent), default=math.inf)
     if ordered and silent > ordered[0].begin:
         silent = math.inf
     if not contact.found:

@@ -149,7 +149,8 @@ def range_members(
             looked = [step * place for place in places]
             speed = changed_onset(kind, own, near, (first, max(ends[1], last)), dips, looked, slope)
             pulled = own.pulled([SpeedBracket(speed, math.inf)])
-            members.append(RangeMember(variant.cause, variant.change, speed, pulled))
+            silent = own.silent(kind, pulled)
+            members.append(RangeMember(variant.cause, variant.change, speed, pulled, "", silent))
     return onset, tuple(members)
 
 

@@ -294,6 +294,20 @@ class Scan:
             before = speed
         return tuple(found)
 
+    def silent(self, kind: str, pulled: Collection[SpeedBracket]) -> tuple[SpeedBracket, ...]:
+        """Those of the ranges ``pulled`` in which runs lose control by their measures, over more than a short range or up to
+        the last speed: whether a train does that can lift its springs is not known.
+        """
+        top, found = max(self.samples), list[SpeedBracket]()
+        for one in pulled:
+            within = (
+                at for at in self.samples if one.lower_engine_speed <= at <= one.upper_engine_speed
+            )
+            lost = [at for at in within if not self.samples[at].measures[kind] > 0]
+            if lost and (max(lost) - min(lost) > NARROW * min(lost) or max(lost) == top):
+                found.append(one)
+        return tuple(found)
+
 
 def parabola_depth(x: Collection[float], y: Collection[float]) -> float:
     """How far the bottom of the parabola through three points is below the middle one.

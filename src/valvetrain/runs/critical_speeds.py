@@ -326,6 +326,7 @@ def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) 
     ranges, passed = scan.lost_ranges(kind)
     begin = ranges[0].lower_engine_speed if ranges else math.inf
     lost = [one for one in sorted(scan.samples) if one >= begin and scan.samples[one].lost(kind)]
+    pulled = scan.pulled(ranges)
     return CriticalSpeed(
         label,
         kind,
@@ -335,7 +336,8 @@ def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) 
         tuple(ranges),
         scan.samples[lost[0]].places.get(kind, ()) if lost else (),
         runs_count=scan.runs_count,
-        pulled=scan.pulled(ranges),
+        pulled=pulled,
+        silent=scan.silent(kind, pulled),
         passed=tuple(passed),
         falling_engine_speed=scan.falling(kind, begin, SCAN * options.resolution / 2),
     )

@@ -19,7 +19,7 @@ from valvetrain.runs.requests import Parts, Watch
 from valvetrain.runs.run import sweep_study
 from valvetrain.runs.train_runs import preloads, prepare_trains, train_point
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.critical import CriticalSpeeds, silent_from
+from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.part_ranking import PartChange, PartRanking
 from valvetrain.solution.provenance import POUNDS
 from valvetrain.solution.status import PartialFailures, reason
@@ -386,18 +386,16 @@ def limits_of(found: CriticalSpeeds) -> Limits:
     """
     rows = [one for one, _ in found.limiting()]
     own = [lost[0].lower_engine_speed if lost else math.inf for _, lost in found.limiting()]
-    nominal, silent = (
-        min(own, default=math.inf),
-        min((one.silent_speed for one in rows), default=math.inf),
-    )
-    limits = {NOMINAL: (min(nominal, silent), nominal)}
+    nominal = min(own, default=math.inf)
+    silent = (each.lower_engine_speed for one in rows for each in one.silent)
+    limits = {NOMINAL: (min((nominal, *silent)), nominal)}
     keys = {(each.cause, each.change): None for one in rows for each in one.members if not each.refusal}  # fmt: skip
     for key in keys:
         pairs = []
         for row, speed in zip(rows, own, strict=True):
             members = [each for each in row.members if (each.cause, each.change) == key]
             roots = [each.engine_speed for each in members] or [speed]
-            known = [silent_from(each.pulled) for each in members]
+            known = [one.lower_engine_speed for each in members for one in each.silent]
             pairs.append((min((*roots, *known)), max(roots)))
         limits[key] = min(low for low, _ in pairs), min(high for _, high in pairs)
     return limits

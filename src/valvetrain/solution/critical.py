@@ -5,7 +5,7 @@ step and mesh, and kind of onset.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +65,7 @@ class RangeMember:
     open: ``force`` (a tenth of it, of an onset that just touches zero), ``revolution`` (motion that does not repeat),
     ``ends`` (they would pull below the speed). ``change``: to what, such as ``multi-mass`` or ``×0.6``.
     ``engine_speed`` (rad/s): 0 where control is lost from the first speed searched on, infinite where it is maintained
-    up to the last. ``pulled``: as in :class:`CriticalSpeed`. ``refusal``: why this train cannot run, whose speed is NaN
+    up to the last. ``pulled``, ``silent``: as in :class:`CriticalSpeed`. ``refusal``: why this train cannot run, whose speed is NaN
     then; empty where it can.
     """
 
@@ -74,6 +74,7 @@ class RangeMember:
     engine_speed: float
     pulled: tuple[SpeedBracket, ...] = ()
     refusal: str = ""
+    silent: tuple[SpeedBracket, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -94,7 +95,8 @@ class CriticalSpeed:
     margin more or less moves it by more than 7.5 % of the speed, for a force that just reaches zero;
     ``non-repeating`` where the motion does not repeat from cycle to cycle.
     ``pulled``: ranges outside those of lost control, by their lowest and highest sampled speed, in which the ends of the spring
-    would pull in a model that cannot lift them: such a run gives no critical speed.
+    would pull in a model that cannot lift them: such a run gives no critical speed. ``silent``: those of them in which such
+    runs lose control, over more than a short range or up to the last speed, so that control is not known to be kept.
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
@@ -125,6 +127,7 @@ class CriticalSpeed:
     curve: tuple[tuple[float, float, float], ...] = ()
     passed: tuple[SpeedBracket, ...] = ()
     falling_engine_speed: float = math.nan
+    silent: tuple[SpeedBracket, ...] = ()
 
     @property
     def found(self) -> bool:
@@ -151,11 +154,6 @@ class CriticalSpeed:
     def deciding_place(self) -> int:
         """Place of the range of lost control that stays; 0 where none does."""
         return self.short_count if self.short_count < len(self.ranges) else 0
-
-    @property
-    def silent_speed(self) -> float:
-        """Speed (rad/s) below the loss from which runs say nothing of control for more than a short range; infinite for none."""
-        return silent_from(self.pulled, min(self.deciding_speed, self.last_engine_speed))
 
     @property
     def both_motions(self) -> tuple[float, float] | None:
@@ -282,19 +280,6 @@ class CriticalSpeed:
         )
         parts = (speed, ONSETS.get(self.onset), place, self.pulled_text, self.refused_text)
         return ", ".join(filter(None, parts))
-
-
-def silent_from(pulled: Iterable[SpeedBracket], last: float = math.inf) -> float:
-    """Begin (rad/s) of the first of the ranges in which ends of springs would pull that is no short one, or that reaches
-    ``last``; infinite for none.
-    """
-    begins = (
-        one.lower_engine_speed
-        for one in pulled
-        if one.upper_engine_speed - one.lower_engine_speed > NARROW * one.lower_engine_speed
-        or one.upper_engine_speed >= last
-    )
-    return min(begins, default=math.inf)
 
 
 def places_text(*places: str) -> str:
