@@ -380,6 +380,7 @@ def test_control_is_not_known_where_runs_that_pull_lose_it(
     """Over more than 2 % of the speed or up to the last one; runs that pull and keep control contradict nothing."""
     row = row_of(margin, pulls=pulls)
     assert row.pulled and bool(row.silent) is silent
+    assert bool(_critical_object(row)["silent"]) is silent
     if silent:
         (one,) = row.silent
         assert 7380 <= one.lower_engine_speed < 7500 <= one.upper_engine_speed

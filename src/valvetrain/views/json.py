@@ -278,6 +278,7 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
             for each in one.members
         ],
         "pulled": [bracket(each) for each in one.pulled],
+        "silent": [bracket(each) for each in one.silent],
         "onset": one.onset,
         "cause": one.cause,
         "spring_force_loss": measured(one.spring_force_loss, "N"),
