@@ -52,8 +52,8 @@ class UnknownNameError(InputError, KeyError):
     there is no 'peak_forse'; did you mean peak_force?
     """
 
-    def __init__(self, name: object, known: Iterable[str], where: str = "") -> None:
-        names = list(dict.fromkeys(known))
+    def __init__(self, name: object, choices: Iterable[str], where: str = "") -> None:
+        names = list(dict.fromkeys(choices))
         near = difflib.get_close_matches(str(name)[:60], names, n=3, cutoff=0.5)
         shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
         remedy = f"did you mean {' or '.join(near)}?" if near else f"there are {shown or 'none'}"

@@ -85,11 +85,11 @@ def _refuse_unknown(name: str, values: Mapping[str, float]) -> None:
             )
 
 
-def _exponent(own: Mapping[str, Any], values: Mapping[str, float]) -> float:
+def _exponent(fields: Mapping[str, Any], values: Mapping[str, float]) -> float:
     """The law's exponent n: its own where fixed, else as given, else Hertz's."""
-    if "exponent" not in own:
+    if "exponent" not in fields:
         return 1.0
-    fixed = own["exponent"]
+    fixed = fields["exponent"]
     default = HERTZ_EXPONENT if fixed.default is MISSING else float(fixed.default)
     return float(values.get("exponent", default)) if fixed.init else default
 

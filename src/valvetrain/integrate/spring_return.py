@@ -33,10 +33,10 @@ _TURN = types.void(SPRING_FUNCTION, _vector, _integers, _vector, _matrix, _i8, _
 
 
 @njit(**OPTIONS)
-def _step_all(spring, parameters, integers, states, held, time_step):
-    """Advance every row of ``states`` (n, entries) by one step, the retainer at rest at ``held`` (n,)."""
+def _step_all(spring, parameters, integers, states, positions, time_step):
+    """Advance every row of ``states`` (n, entries) by one step, the retainer at rest at ``positions`` (n,)."""
     for j in range(states.shape[0]):
-        spring(parameters, integers, states[j], held[j], 0.0, time_step)
+        spring(parameters, integers, states[j], positions[j], 0.0, time_step)
 
 
 @njit(**OPTIONS)

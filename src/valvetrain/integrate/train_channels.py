@@ -143,16 +143,16 @@ def _add_sections(
     variables: dict[str, Variable],
     coords: dict[str, Variable],
     prefix: str,
-    shown: list[SpringOutputs],
+    outputs: list[SpringOutputs],
 ) -> None:
     heading = prefix.replace("_", " spring: ")
-    if shown[0].coil_number.size:
+    if outputs[0].coil_number.size:
         dims = ("sample", f"{prefix}wire_point")
         label = {
             "units": "1",
             "long_name": f"{heading}turns from the lower wire tip, or share of the active length",
         }
-        coords[f"{prefix}coil_number"] = Variable(dims[1:], shown[0].coil_number, label)
+        coords[f"{prefix}coil_number"] = Variable(dims[1:], outputs[0].coil_number, label)
         for name, unit, text in (
             (
                 "axial_displacement",
@@ -161,28 +161,28 @@ def _add_sections(
             ),
             ("axial_velocity", "m/s", "axial velocity, seat to retainer positive"),
         ):
-            values = np.array([getattr(one, name) for one in shown])
+            values = np.array([getattr(one, name) for one in outputs])
             variables[f"{prefix}{name}"] = Variable(
                 dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )
-        for name in shown[0].section_loads:
+        for name in outputs[0].section_loads:
             _, unit, text = SPRING_CHANNELS[name]
-            values = np.array([one.section_loads[name] for one in shown])
+            values = np.array([one.section_loads[name] for one in outputs])
             variables[f"{prefix}{name}"] = Variable(
                 dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )
-    if shown[0].upper_coil.size:
+    if outputs[0].upper_coil.size:
         dims = ("sample", f"{prefix}coil_pair")
         coords[f"{prefix}upper_coil"] = Variable(
             dims[1:],
-            shown[0].upper_coil,
+            outputs[0].upper_coil,
             {"units": "1", "long_name": f"{heading}coil number of the upper partner"},
         )
         for name, unit, text in (
             ("coil_gap", "m", "gap between a coil and the one below"),
             ("coil_contact_force", "N", "contact force on the coil below"),
         ):
-            values = np.array([getattr(one, name) for one in shown])
+            values = np.array([getattr(one, name) for one in outputs])
             variables[f"{prefix}{name}"] = Variable(
                 dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )

@@ -48,9 +48,9 @@ class Transitions:
     overflow: int = 0
 
     @classmethod
-    def from_log(cls, log: Array, found: int) -> Transitions:
+    def from_log(cls, log: Array, count: int) -> Transitions:
         """From the rows of ``Records.transitions`` and how many there would have been."""
-        rows = log[: min(found, len(log))]
+        rows = log[: min(count, len(log))]
         return cls(
             rows[:, PLACE].astype(np.int64),
             rows[:, CLOSES] > 0.5,
@@ -59,7 +59,7 @@ class Transitions:
             rows[:, MAX_GAP],
             rows[:, MAX_GAP_ANGLE],
             rows[:, MAX_FORCE],
-            max(0, found - len(log)),
+            max(0, count - len(log)),
         )
 
     def __len__(self) -> int:

@@ -126,9 +126,9 @@ def _with_friction(
     return replace(planar, interactions=tuple(changed.values()))
 
 
-def _instead(known: Mapping[str, Interaction], place: str) -> str:
+def _instead(interactions: Mapping[str, Interaction], place: str) -> str:
     """Where a train slides whose cam does not."""
-    tip = known.get("valve tip")
+    tip = interactions.get("valve tip")
     slides = place == "cam" and tip is not None and tip.kind in SLIDING_KINDS
     return ", or give train.contacts.valve_tip.friction_coefficient" if slides else ""
 

@@ -138,12 +138,12 @@ def _key(table: Any, key: str, path: str, made: bool) -> Any:
     return key
 
 
-def _several(found: Any) -> list[Any]:
+def _several(text: Any) -> list[Any]:
     """Numbers that a file holds as one text (``"0, 1.5 mm"``), one by one; empty for any other value."""
-    if not isinstance(found, str) or "," not in found:
+    if not isinstance(text, str) or "," not in text:
         return []
-    unit = found.rpartition(",")[2].lstrip(" +-0123456789.eE").strip()
-    numbers = [part.strip().removesuffix(unit).strip() for part in found.split(",")]
+    unit = text.rpartition(",")[2].lstrip(" +-0123456789.eE").strip()
+    numbers = [part.strip().removesuffix(unit).strip() for part in text.split(",")]
     try:
         return [
             f"{one} {unit}" if unit else float(one) for one in numbers if math.isfinite(float(one))

@@ -121,13 +121,14 @@ def next_to_largest(events: Iterable[Event], detail: str) -> float:
     )
 
 
-def _overlap(one: Event, other: Event) -> bool:
+def _overlap(clash: Event, other: Event) -> bool:
     """Whether two clashes of a spring are at one time and less than a coil apart."""
-    early, late = sorted((one, other), key=lambda event: event.time)
+    early, late = sorted((clash, other), key=lambda event: event.time)
     firsts, lasts = (
-        [float(event.details[end]) for event in (one, other)] for end in ("first_pair", "last_pair")
+        [float(event.details[end]) for event in (clash, other)]
+        for end in ("first_pair", "last_pair")
     )
-    same = one.where.partition("coils")[0] == other.where.partition("coils")[0]
+    same = clash.where.partition("coils")[0] == other.where.partition("coils")[0]
     return same and max(firsts) - min(lasts) < 1.0 and late.time <= early.time + early.duration
 
 

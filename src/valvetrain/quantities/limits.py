@@ -306,31 +306,33 @@ def plausible_run(solution: Solution) -> Solution:
     return replace(solution, status=status)
 
 
-def plausible_rest(one: SpringAtRest) -> SpringAtRest:
+def plausible_rest(rest: SpringAtRest) -> SpringAtRest:
     """A spring at rest, its curve marked ``diverged`` where a number of it is implausible; all
     numbers stay.
     """
-    if one.curve is None or not (found := _implausible_rest(one)):
-        return one
+    if rest.curve is None or not (found := _implausible_rest(rest)):
+        return rest
     label, compression = found
     status = Status("diverged", label, where=f"{compression * 1e3:.4g} mm", remedy=REMEDY)
-    return replace(one, curve=replace(one.curve, status=status))
+    return replace(rest, curve=replace(rest.curve, status=status))
 
 
-def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
+def _implausible_rest(rest: SpringAtRest) -> tuple[str, float] | None:
     """The first implausible number of a spring at rest as a sentence, and its compression (m)."""
-    assert one.curve is not None
-    curve, nominal = one.curve, one.stress_per_force
+    assert rest.curve is not None
+    curve, nominal = rest.curve, rest.stress_per_force
     rows = [("raw_peak_spring_force", curve.compression, curve.force)]
     if nominal is not None:
         rows.append(("open_nominal_shear_stress", curve.compression, nominal * curve.force))
-    if one.stress is not None and one.stress.shear.size:
-        rows.append(("peak_shear_stress", one.stress.compression, np.max(one.stress.shear, axis=1)))
+    if rest.stress is not None and rest.stress.shear.size:
+        rows.append(
+            ("peak_shear_stress", rest.stress.compression, np.max(rest.stress.shear, axis=1))
+        )
     if curve.leaning is not None:
         rows.append(("guide_force", curve.compression[-1:], np.array([curve.leaning.force])))
     rows += [
         ("raw_peak_spring_force", np.array([point.compression]), np.array([point.force]))
-        for point in one.points
+        for point in rest.points
     ]
     for name, places, values in rows:
         for limit in FOUND:

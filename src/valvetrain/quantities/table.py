@@ -30,13 +30,13 @@ def of_each(name: str) -> tuple[str, ...]:
     return name, f"outer_{name}", f"inner_{name}"
 
 
-def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
+def with_angle(quantity: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
     """A row and that of the cam angle of its value."""
-    return one, row(
-        f"{one.name}_cam_angle",
-        f"{one.label}, cam angle",
-        f"Cam angle of the {one.label}.",
-        systems=one.systems,
+    return quantity, row(
+        f"{quantity.name}_cam_angle",
+        f"{quantity.label}, cam angle",
+        f"Cam angle of the {quantity.label}.",
+        systems=quantity.systems,
     )
 
 

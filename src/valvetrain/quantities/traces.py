@@ -100,19 +100,19 @@ def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:
     )
 
 
-def _coil_of(solution: Solution, channel: str, found: re.Match[str], active: Active) -> float:
+def _coil_of(solution: Solution, channel: str, match: re.Match[str], active: Active) -> float:
     """Coil number that a channel knows a place on the wire by."""
-    place = float(found["coil"].replace("_", "."))
+    place = float(match["coil"].replace("_", "."))
     places = (
         solution.arrays.along(channel)
-        if found["by"] == "section" and solution.has(channel)
+        if match["by"] == "section" and solution.has(channel)
         else None
     )
     if places is None or not len(places):
         return place
     first, last = float(np.min(places)), float(np.max(places))
     if last > CARD_LENGTH:
-        first, last = active.get(found["spring"] or next(iter(solution.springs), ""), (first, last))
+        first, last = active.get(match["spring"] or next(iter(solution.springs), ""), (first, last))
     return first + place * (last - first) if place <= 1 else np.inf
 
 

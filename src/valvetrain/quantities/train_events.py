@@ -144,13 +144,13 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
 
 
 def _unloaded(
-    solution: Solution, rigid: RigidCycle, place: str, found: Sequence[Event]
+    solution: Solution, rigid: RigidCycle, place: str, losses: Sequence[Event]
 ) -> list[Event]:
     """Losses of a contact that carries no force with the valve wide open and yet has no gap: its damping
-    holds it back. To the samples, of no gap; none next to a loss that was ``found`` there.
+    holds it back. To the samples, of no gap; none next to a loss that was ``losses`` there.
     """
     least = drive_forces(solution).get(place, np.nan)
-    known = lost_spans([one for one in found if one.where == place], _period(solution))
+    known = lost_spans([one for one in losses if one.where == place], _period(solution))
     if not (least <= 0 and rigid.wide_open) or shared(known, rigid.wide_open):
         return []
     angle, (begin, end) = solution.cam_angle, rigid.wide_open[0]

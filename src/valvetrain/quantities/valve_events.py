@@ -171,9 +171,9 @@ def run_events(
     return found
 
 
-def lost_durations(found: Mapping[str, float], rigid: RigidTable) -> dict[str, float]:
+def lost_durations(numbers: Mapping[str, float], rigid: RigidTable) -> dict[str, float]:
     """Crank angle (rad) at every height of :data:`HEIGHTS` by which the valve of a run, whose numbers are
-    ``found``, is open for less than that of rigid parts; none of what never opens.
+    ``numbers``, is open for less than that of rigid parts; none of what never opens.
     """
     lift = np.asarray(rigid["valve_lift"], dtype=float)
     known = rigid.columns.get("valve_velocity")
@@ -184,7 +184,7 @@ def lost_durations(found: Mapping[str, float], rigid: RigidTable) -> dict[str, f
     )
     lost: dict[str, float] = {}
     for word, height in HEIGHTS.items():
-        own = found.get(f"valve_{word}_open_crank_angle_range")
+        own = numbers.get(f"valve_{word}_open_crank_angle_range")
         crossings = sampled_crossings(rigid.cam_angle, lift, rate, height)
         if own is not None and crossings is not None:
             lost[f"valve_{word}_lost_crank_angle_range"] = 2 * (crossings[1] - crossings[0]) - own

@@ -97,11 +97,11 @@ class ChannelArrays:
     def at(self, places: Mapping[str, Sequence[int]]) -> ChannelArrays:
         """A copy with the entries at ``places`` (dimension -> indices) only."""
 
-        def cut(one: Variable) -> Variable:
-            values = one.values
-            for axis, dim in enumerate(one.dims):
+        def cut(variable: Variable) -> Variable:
+            values = variable.values
+            for axis, dim in enumerate(variable.dims):
                 values = values.take(places[dim], axis) if dim in places else values
-            return one._replace(values=values)
+            return variable._replace(values=values)
 
         variables, coords = (
             {name: cut(one) for name, one in group.items()}

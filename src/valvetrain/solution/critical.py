@@ -287,9 +287,9 @@ def places_text(*places: str) -> str:
     return ", ".join(places).replace("_", " ")
 
 
-def _range_text(one: SpeedBracket, first: float, last: float) -> str:
+def _range_text(bracket: SpeedBracket, first: float, last: float) -> str:
     """A range in rpm, rounded outwards."""
-    low, high = one.lower_engine_speed, one.upper_engine_speed
+    low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
     begin = f"below {first / RPM:.6g}" if low <= 0 else f"{math.floor(round(low / RPM, 3))}"
     end = f"{math.ceil(round(high / RPM, 3))}" if math.isfinite(high) else f"above {last / RPM:.6g}"
     return f"{begin} to {end}"

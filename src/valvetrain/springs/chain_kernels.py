@@ -253,11 +253,11 @@ def _press(parameters, integers, state, c, force):
         state[lower + 1] += share * force
 
 
-def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def _contact_kernels(own_law: bool) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Kernels of contact forces and of their damping: by the linear law, inlined, or by the law at
     an address, so that the branches of one do not slow the other down.
     """
-    respond, resist = (own_contact, own_damping) if own else (linear_contact, linear_damping)
+    respond, resist = (own_contact, own_damping) if own_law else (linear_contact, linear_damping)
 
     def contact_forces(parameters, integers, state):
         """Elastic contact forces; lists the contacts that are closed or were so a step ago and
@@ -265,7 +265,7 @@ def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]
         """
         n, p = integers[0], integers[1]
         start, depth_at, law = HEADER + 3 * n + 1, 6 * n + 9, integers[len(integers) - 1]
-        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own else 0
+        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own_law else 0
         for c in range(integers[2], p):
             state[depth_at + c] = (
                 _across(parameters, integers, state, 3 * n + 3, c) - parameters[start + c]
@@ -289,7 +289,7 @@ def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]
         n, p = integers[0], integers[1]
         start, depth_at, lost = HEADER + 3 * n + 1, 6 * n + 9, 0.0
         law = integers[len(integers) - 1]
-        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own else 0
+        row = parameters.ctypes.data + 8 * (len(parameters) - WIDTH) if own_law else 0
         for k in range(closed):
             c = int(state[depth_at + 2 * p + k])
             depth, damping = state[depth_at + c], 0.0
@@ -306,13 +306,13 @@ def _contact_kernels(own: bool) -> tuple[Callable[..., Any], Callable[..., Any]]
 
     for kernel in (contact_forces, contact_damping):
         # compiled code of equal name from two cached runs would be taken for the same
-        kernel.__qualname__ = f"{'own' if own else 'linear'}_{kernel.__name__}"
-    compiled = njit(**(KERNEL if own else BRANCH))
+        kernel.__qualname__ = f"{'own' if own_law else 'linear'}_{kernel.__name__}"
+    compiled = njit(**(KERNEL if own_law else BRANCH))
     return compiled(contact_forces), compiled(contact_damping)
 
 
-_contact_forces, _contact_damping = _contact_kernels(own=False)
-_own_contact_forces, _own_contact_damping = _contact_kernels(own=True)
+_contact_forces, _contact_damping = _contact_kernels(own_law=False)
+_own_contact_forces, _own_contact_damping = _contact_kernels(own_law=True)
 
 
 @njit(**LOOP)

@@ -198,12 +198,12 @@ def _tried(function: Any, arguments: tuple[Any, ...], count: int, name: str, whe
         ) from error
 
 
-def _check(found: Any, shape: tuple[int, ...], name: str, place: str, where: str) -> None:
+def _check(given: Any, shape: tuple[int, ...], name: str, place: str, where: str) -> None:
     try:
-        values = np.asarray(found, dtype=float)
+        values = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
         raise InputError(
-            f"{name} gives {found!r:.40}{place}, which is no number (N)", where
+            f"{name} gives {given!r:.40}{place}, which is no number (N)", where
         ) from None
     if values.shape != shape:
         due = f"{shape[0]} numbers" if shape else "a number, or the forces on retainer and seat"
@@ -211,7 +211,7 @@ def _check(found: Any, shape: tuple[int, ...], name: str, place: str, where: str
             f"{name} gives an array of shape {values.shape}{place}; it should give {due}", where
         )
     if not np.all(np.isfinite(values)):
-        raise InputError(f"{name} gives {found}{place}; it should be finite", where)
+        raise InputError(f"{name} gives {given}{place}; it should be finite", where)
 
 
 def _no_rates(state, compression, velocity):  # type: ignore[no-untyped-def]

@@ -144,14 +144,14 @@ def believed() -> Iterator[None]:
         _BELIEVED.reset(before)
 
 
-def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") -> None:
+def doubt(value: float, quantity: str, written: str, bare: bool, where: str = "") -> None:
     """Doubt a positive ``value`` (SI) beyond its window: refuse one without a unit, warn of one with its unit.
 
     Parameters
     ----------
     value : SI number
     quantity : name from :data:`PLAUSIBLE`
-    shown : the value as it was written
+    written : the value as it was written
     bare : whether it was written without a unit
     where : place of the value, which leads the message
 
@@ -172,7 +172,7 @@ def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") 
         format_quantity(end, window.default_unit) for end in (window.low, window.high)
     )
     if not bare:
-        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is typical) and taken as written; check number and unit"
+        sentence = f"{written} of {label} is unusual ({low_text} to {high_text} is typical) and taken as written; check number and unit"
         warnings.warn(
             f"{where}: {sentence}" if where else sentence, UnusualValueWarning, stacklevel=2
         )
@@ -182,21 +182,21 @@ def doubt(value: float, quantity: str, shown: str, bare: bool, where: str = "") 
             f"did you mean '{value:g} {window.default_unit}'? If not, write '{in_default_unit}'"
         )
         raise InputError(
-            f"{value:g} without a unit is {shown}, {label} {in_default_unit}; {remedy}", where
+            f"{value:g} without a unit is {written}, {label} {in_default_unit}; {remedy}", where
         )
     factors = ((unit, value * unit_factor(unit)) for unit in _MEANT[window.dimension])
     meant = next(
         ((unit, likely) for unit, likely in factors if window.low <= likely <= window.high), None
     )
     if meant is None:
-        value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
+        value_text = written if written == in_default_unit else f"{written} ({in_default_unit})"
         raise InputError(
             f"{value_text} of {label} is outside {low_text} to {high_text}; check the number and its unit",
             where,
         )
     unit, likely = meant
     raise InputError(
-        f"{shown} of {label} can only be meant as {value:g} {unit}; write {likely:.6g} or '{value:g} {unit}'",
+        f"{written} of {label} can only be meant as {value:g} {unit}; write {likely:.6g} or '{value:g} {unit}'",
         where,
     )
 

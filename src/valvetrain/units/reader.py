@@ -97,10 +97,10 @@ def reader_text(text: str) -> str:
     if _SHOWN.get() == "si":
         return text
 
-    def converted(found: re.Match[str]) -> str:
-        unit = found[2]
+    def converted(match: re.Match[str]) -> str:
+        unit = match[2]
         factor = reader_factor(unit)
-        numbers = re.sub(_NUMBER, lambda one: f"{float(one[0]) * factor:.4g}", found[1])
+        numbers = re.sub(_NUMBER, lambda one: f"{float(one[0]) * factor:.4g}", match[1])
         return f"{numbers} {reader_unit(unit)}"
 
     return _METRIC.sub(converted, text)

@@ -327,10 +327,10 @@ def to_si(value: float, unit: str, dimension: str | None, text: object, where: s
     return finite(value * factor, text, where)
 
 
-def finite(value: float, shown: object, where: str) -> float:
+def finite(value: float, written: object, where: str) -> float:
     """``value``, or :class:`InputError` where it is infinite or no number."""
     if not math.isfinite(value):
-        raise InputError(f"{clipped(str(shown))} is not a finite number; replace it", where)
+        raise InputError(f"{clipped(str(written))} is not a finite number; replace it", where)
     return value
 
 
