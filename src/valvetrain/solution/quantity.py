@@ -172,19 +172,19 @@ def _run_text(key: Quantity) -> str:
     )
 
 
-def known_speed(given: Given, speeds: Iterable[float]) -> float:
+def known_speed(given: Given, known_speeds: Iterable[float]) -> float:
     """A crank speed (rad/s) by :func:`valvetrain.units.si`; an SI number that is one of those
-    ``speeds`` is always valid.
+    ``known_speeds`` is always valid.
     """
     if not isinstance(given, str) and not hasattr(given, "to_base_units"):
-        own = next((speed for speed in speeds if same_speed(speed, float(given))), None)
+        own = next((speed for speed in known_speeds if same_speed(speed, float(given))), None)
         if own is not None:
             return own
     return si(given, "engine_speed", "engine_speed")
 
 
-def same_speed(speed: float | None, other: float | None) -> bool:
+def same_speed(first: float | None, other: float | None) -> bool:
     """Whether two crank speeds (rad/s) are equal but for rounding; None equals None only."""
-    if speed is None or other is None:
-        return speed is other
-    return abs(speed - other) <= 1e-7 * max(abs(speed), abs(other))
+    if first is None or other is None:
+        return first is other
+    return abs(first - other) <= 1e-7 * max(abs(first), abs(other))
