@@ -29,24 +29,17 @@ FORCES, RATES = 0, 1
 
 @intrinsic
 def _call(
-    typing_context: Any,
-    address: Any,
-    what: Any,
-    state: Any,
-    count: Any,
-    x: Any,
-    v: Any,
-    result: Any,
+    typing_context: Any, address: Any, what: Any, state: Any, count: Any, x: Any, v: Any, reply: Any
 ) -> Any:
-    """Call the entry at ``address``; ``state`` and ``result`` are addresses of float64."""
+    """Call the entry at ``address``; ``state`` and ``reply`` are addresses of float64."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         number, whole = ir.DoubleType(), ir.IntType(64)
         pointer = number.as_pointer()
         kind = ir.FunctionType(ir.VoidType(), [whole, pointer, whole, number, number, pointer])
-        state, result = (builder.inttoptr(values[place], pointer) for place in (2, 6))
+        state, reply = (builder.inttoptr(values[place], pointer) for place in (2, 6))
         entry = builder.inttoptr(values[0], kind.as_pointer())
-        builder.call(entry, [values[1], state, *values[3:6], result])
+        builder.call(entry, [values[1], state, *values[3:6], reply])
         return context.get_dummy_value()
 
     return types.void(*(types.int64,) * 4, *(types.float64,) * 2, types.int64), generate
@@ -109,13 +102,13 @@ def compiled_entry(forces: Any, rates: Any) -> Any:
     """
     carray: Any = numba.carray  # type: ignore[attr-defined]
 
-    def entry(what: Any, state: Any, count: Any, x: Any, v: Any, result: Any) -> None:
+    def entry(what: Any, state: Any, count: Any, x: Any, v: Any, reply: Any) -> None:
         own = carray(state, count)
         if what == FORCES:
-            out = carray(result, 2)
+            out = carray(reply, 2)
             out[0], out[1] = forces(own, x, v)
         else:
-            change, given = carray(result, count), rates(own, x, v)
+            change, given = carray(reply, count), rates(own, x, v)
             for i in range(count):
                 change[i] = given[i]
 
@@ -127,14 +120,14 @@ def plain_entry(forces: Callable[..., Any], rates: Callable[..., Any]) -> Any:
     number.
     """
 
-    def entry(what: int, state: Any, count: int, x: float, v: float, result: Any) -> None:
+    def entry(what: int, state: Any, count: int, x: float, v: float, reply: Any) -> None:
         own = np.ctypeslib.as_array(state, (count,)) if count else np.zeros(0)
         try:
             given = forces(own, x, v) if what == FORCES else rates(own, x, v)
         except Exception:
             given = [np.nan] * (2 if what == FORCES else count)
         for i, value in enumerate(given):
-            result[i] = float(value)
+            reply[i] = float(value)
 
     return _PLAIN_ENTRY(entry)
 
