@@ -148,8 +148,8 @@ def _address(kernel: CoilKernel) -> int:
     compiled: Any = kernel if hasattr(kernel, "py_func") else numba.njit(kernel)
     carray: Any = numba.carray  # type: ignore[attr-defined]
 
-    def entry(numbers: Any, damping_time: Any, overlap: Any, result: Any) -> None:
-        out = carray(result, 4)
+    def entry(numbers: Any, damping_time: Any, overlap: Any, reply: Any) -> None:
+        out = carray(reply, 4)
         out[0], out[1], out[2], out[3] = compiled(
             carray(numbers, kernels.WIDTH), damping_time, overlap
         )

@@ -45,12 +45,12 @@ def law_address(kernel: LawKernel) -> int:
         before: Any,
         rate: Any,
         step: Any,
-        result: Any,
+        reply: Any,
     ) -> None:
         force, damping = compiled(
             carray(parameters, WIDTH), carray(memory, states), pen, before, rate, step
         )
-        out = carray(result, 2)
+        out = carray(reply, 2)
         out[0], out[1] = force, damping
 
     built = cfunc(_SIGNATURE)(entry)
@@ -74,9 +74,9 @@ def _call(
     before: Any,
     rate: Any,
     step: Any,
-    result: Any,
+    reply: Any,
 ) -> Any:
-    """Call the law at ``address``; ``parameters``, ``memory`` and ``result`` (force, damping) are
+    """Call the law at ``address``; ``parameters``, ``memory`` and ``reply`` (force, damping) are
     addresses of float64.
     """
 

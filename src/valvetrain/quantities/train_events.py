@@ -147,7 +147,7 @@ def _unloaded(
     solution: Solution, rigid: RigidCycle, place: str, losses: Sequence[Event]
 ) -> list[Event]:
     """Losses of a contact that carries no force with the valve wide open and yet has no gap: its damping
-    holds it back. To the samples, of no gap; none next to a loss that was ``losses`` there.
+    holds it back. To the samples, of no gap; none next to one of the ``losses`` there.
     """
     least = drive_forces(solution).get(place, np.nan)
     known = lost_spans([one for one in losses if one.where == place], _period(solution))
