@@ -112,7 +112,7 @@ def test_every_package_runs_on_the_oldest_python_of_the_project():
     assert not [
         f"{each.name} {each.version}"
         for each in packages
-        for bound in re.findall(r">=?\s*([\d.]+\d)", each.metadata["Requires-Python"] or "")
+        for bound in re.findall(r">=?\s*([\d.]+\d)", each.metadata.get("Requires-Python", ""))
         if [int(part) for part in bound.split(".")] > oldest
     ]
 
