@@ -8,6 +8,7 @@ import csv
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from unit.cli_parts import PUBLISHED, SMALL, call, sentence
@@ -16,6 +17,7 @@ from valvetrain.runs.api import simulate
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.views.page import data_of
 from valvetrain.views.refinement import RefineAnswer
+from valvetrain.views.results import figures_of
 
 
 @pytest.fixture
@@ -96,6 +98,28 @@ def test_each_rule_of_a_refinement_on_rows_that_hit_and_rows_that_do_not():
     assert refined_with(good, far) == ["X105"]
     assert refined_with(rough, far)[0] == "X104"
     assert refined_with(good, failures=("mesh 18: diverged",)) == ["X103", "X110"]
+
+
+def test_the_share_of_the_verdict_stands_in_the_first_row():
+    """Also where contact constants move ten other numbers further."""
+    still, wide = (300.0, 300.0), (100.0, 500.0)
+    least = Uncertainty("preload", None, 300.0, 27.6, 2.0, 299.0, 0.0, still, still)
+    names = [f"mode_{place}_frequency" for place in range(1, 12)]
+    more = [replace(least, quantity=one, numerical=1.0, contact_stiffness=wide) for one in names]
+    record = parse_case(SMALL, name="small").record()
+    answer = RefineAnswer(UncertaintyStudy(record, (8, 12, 18), (*more, least), {}, ()))
+    assert answer.verdict.fields["share"] == "9.2 %" and len(answer.lines) == 10
+    assert answer.lines[0].cells[1].endswith(" 9.2 %")
+
+
+def test_labels_of_the_figure_fit_a_phone():
+    """One line of "minimum cam contact force while open, 6000 rpm" was cut at 390 px."""
+    row = Uncertainty("minimum_cam_contact_force", 6000 * np.pi / 30, 951.0, 130.0, 2.0, 950.0, 0.0, (940.0, 960.0), (741.0, 1169.0))  # fmt: skip
+    answer = RefineAnswer(UncertaintyStudy(parse_case(SMALL, name="small").record(), (), (row,), {}, ()))  # fmt: skip
+    (label,) = figures_of(answer)["bars"].data[0].y
+    assert (
+        label.replace("<br>", " ").endswith("6000 rpm") and max(map(len, label.split("<br>"))) <= 24
+    )
 
 
 def numbers(elements_per_coil: int) -> dict[str, float]:

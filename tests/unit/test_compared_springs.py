@@ -12,7 +12,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_sweep import amplitudes, most_stress
+from valvetrain.findings.rules_sweep import AMPLITUDE, STRESS, stresses
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import Words
 from valvetrain.parameters.loading import parse_case
@@ -82,7 +82,7 @@ def test_the_largest_stress_amplitude_and_surge_of_each_spring_are_rows(study):
     """Closed form: half the range of the force, of the run where that is largest, times the stress for each newton, by the
     difference between closed and largest lift at rest; the wire that bears more breaks first.
     """
-    found, peaks = amplitudes(Facts(study)), most_stress(Facts(study))
+    found, peaks = (stresses(Facts(study), name) for name in (AMPLITUDE, STRESS))
     for name in ("soft", "stiff"):
         numbers = [one.quantities for one in study.solutions if one.spring_set == name]
         ranges = [one["peak_spring_force"] - one["minimum_spring_force"] for one in numbers]
@@ -97,11 +97,8 @@ def test_the_largest_stress_amplitude_and_surge_of_each_spring_are_rows(study):
         rows["you have"]
     ) == 2
     one = replace(study, command="sweep")
-    assert (
-        not amplitudes(Facts(one))
-        and not most_stress(Facts(one))
-        and "in control" not in {row.label for row in Answer(one).lines}
-    )
+    assert not stresses(Facts(one), AMPLITUDE)
+    assert "in control" not in {row.label for row in Answer(one).lines}
 
 
 def test_the_next_step_of_two_springs_names_both(study, cards):

@@ -184,14 +184,19 @@ def test_a_rounded_speed_lies_inside_its_range():
         assert rounded(row, at * RPM, (high - low) / 2 * RPM) == text
 
 
-@pytest.mark.parametrize(("heavy", "code"), [(6000, "D102"), (6500, "D101")])
-def test_of_two_springs_the_one_that_keeps_control_longer_is_named(heavy, code):
+@pytest.mark.parametrize(
+    ("heavy", "other_model", "code"),
+    [(6000, 6500, "D102"), (6500, 6400, "D101"), (6500, 6015, "D102")],
+)
+def test_of_two_springs_the_one_that_keeps_control_longer_is_named(heavy, other_model, code):
+    """By every model: one that finds 5 rpm between them leaves no clear difference, whatever the others say."""
     names = ("light", "heavy")
     runs = tuple(run(speed, name) for name in names for speed in (4000, 8000))
-    ends = zip(names, (6010, heavy), strict=True)
+    ends = zip(names, (6010, heavy), (6010, other_model), strict=True)
     rows = tuple(
-        replace(lost("contact-loss", end), label=f"{name}, modal-uniform") for name, end in ends
-    )
+        replace(lost("contact-loss", end, members=(RangeMember("model", "wave-rod", other * RPM),)), label=f"{name}, modal-uniform")
+        for name, end, other in ends
+    )  # fmt: skip
     runs += (run(5000, "light", surge_amplitude_force=300.0),)  # a speed of one spring is no column
     study = Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
     found, headings = findings_of(study), Answer(study).headings
@@ -202,3 +207,17 @@ def test_of_two_springs_the_one_that_keeps_control_longer_is_named(heavy, code):
         assert found.verdict.fields["better"] == "heavy" and found.verdict.value == pytest.approx(
             6010 * RPM
         )
+        assert found.verdict.fields["gain"] == "390 to 490 rpm"
+
+
+@pytest.mark.parametrize(("light", "code"), [(6010, "D101"), (None, "D102")])
+def test_a_spring_that_keeps_control_up_to_the_last_speed_has_no_gain(light, code):
+    runs = tuple(run(speed, name) for name in ("light", "heavy") for speed in (4000, 8000))
+    rows = tuple(
+        replace(lost("contact-loss", end), label=f"{name}, modal-uniform")
+        for name, end in (("light", light), ("heavy", None))
+    )
+    study = Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
+    verdict = findings_of(study).verdict
+    assert (verdict.code, verdict.fields["gain"]) == (code, "")
+    assert light is None or verdict.fields["better"] == "heavy"

@@ -158,6 +158,8 @@ def test_a_table_and_loads_are_not_taken_together(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *LOADS, str(table(tmp_path)))
     assert shown.exit_code == 2 and "a table holds the loads" in shown.output
+    case = invoke("spring-card", "engine.toml")
+    assert case.exit_code == 2 and "valvetrain static engine.toml" in case.output
     for more, words in (
         (("--closes", "middle"), "use lower, upper, both"),
         (("--installed-height", "60 mm"), "the table holds heights"),

@@ -36,8 +36,9 @@ class PairLine(MotionLine):
         for name in names:
             if self.train or choose_case(name).train is not None:
                 request = super().request(model, {**given, "case": name})
-                train = ("--train", self.train) if self.train else ()
-                name_case(self.first, self.settings, (self.second, *train))
+                kept = {"--train": self.train, "--rpm": given["engine_speeds"]}
+                more = (part for name, text in kept.items() if text for part in (name, text))
+                name_case(self.first, self.settings, (self.second, *more))
                 return request
         raise InputError(
             "neither case has a train that moves the springs; give the engine with --train CASE",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
-from valvetrain.findings.words import UNRESOLVED, Amount, Phrase, digits_text, joined, speed_text
+from valvetrain.findings.words import UNRESOLVED, Amount, Phrase, joined, percent, speed_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.uncertainty import Uncertainty
@@ -108,7 +108,7 @@ def _resolved(facts: RefineFacts, moves: bool) -> Hits:
     if facts.rows and bool(moved) is moves:
         row = max(facts.rows, key=share_of)
         yield Hit(Amount(row.quantity, row.value, row.numerical), fields={
-            "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": facts.place(row),
+            "name": label_of(row.quantity), "share": percent(share_of(row)), "place": facts.place(row),
             "speeds": facts.speeds, **moved,
         })  # fmt: skip
 

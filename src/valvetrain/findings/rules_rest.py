@@ -21,9 +21,6 @@ ORDERS = (12, 6)
 HIGHEST = 40
 #: Share by which the rate differs at full lift from that of the closed valve before both are named.
 SAME_RATE = 0.01
-#: Share by which the rate of a wire differs from that of its torsion, and shares between which its first mode is below
-#: that of torsion alone.
-OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
 
 
 # -- force over compression ------------------------------------------------------------------------
@@ -199,24 +196,6 @@ def failed_modes(facts: Facts) -> Hits:
             yield Hit(fields={"did": modes.status.message, "remedy": modes.status.remedy})
 
 
-def torsion(facts: Facts) -> Hits:
-    """A wire surges below the frequency by torsion alone, by which cards go, since few coils also tilt."""
-    for one in states_of(facts.study)[:1]:
-        alone, torsion = (
-            one.values.get(f"estimated_{word}") for word in ("surge_frequency", "rate")
-        )
-        rate, modes = one.rate(one.one.precompression), one.one.modes
-        if not (alone and torsion and rate and one.surge and modes):
-            continue
-        share = 1 - one.surge.value / alone
-        of_torsion = abs(rate.value / torsion - 1) < OF_TORSION
-        low, high = BELOW_TORSION
-        if len(modes.coil_number) and modes.attached_mass is None and of_torsion:
-            if low < share < high:
-                more = f"{100 * (alone / one.surge.value - 1):.1f} %"
-                yield Hit(Amount("estimated_surge_frequency", alone), fields={"more": more})
-
-
 def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
     modes = facts.study.train_modes
     return zip(modes[::2], modes[1::2], strict=False)
@@ -268,11 +247,10 @@ BIND = ("coil_bind_clearance",)
 STATIC = (
     Rule("F101", "decides", "[{spring} buckles at {value} of compression][{did}]", fails, LOADS, step="[{remedy}]"),
     Rule("F102", "decides", "{closed} closed, {value} at the full lift of {lift}[, {spring}]", loads, LOADS,
-         "rate {rate..rate_full}", "valvetrain modes {case}", mark="ok"),
+         "rate {rate..rate_full}", "valvetrain modes {case}", mark=""),
     Rule("F103", "decides", "[{closed} as installed, ]rate {value}[, {spring}]", as_installed, LOADS, "",
          "valvetrain modes {case}", mark=""),
-    Rule("F110", "warns", "only {value} left to coil bind[, {spring}]", near, BIND, remark="close",
-         guide="how-to/05-coil-bind.md"),
+    Rule("F110", "warns", "only {value} left to coil bind[, {spring}]", near, BIND, guide="how-to/05-coil-bind.md"),
     Rule("F113", "warns", "solid at {stated:4} is stated, and the wire binds at {value:4}[, {spring}]", other_height, BIND,
          "the stated height counts", guide="how-to/05-coil-bind.md"),
     Rule("F111", "notes", "[{spring} ]leans on its guide from {value} of compression, in the end with {force}",
@@ -291,7 +269,6 @@ MODES = (
     Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",
          step="valvetrain modes {case} --model modal-uniform"),
-    Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
     Rule("N112", "notes", "outer and inner surge {apart} apart, resonances are {width} wide"
          "[: near {speed} cam order {order} shakes the outer and order {other} the inner at once]",
          apart, guide="how-to/06-nested-springs.md"),

@@ -7,6 +7,7 @@ import math
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Condition, Fields, Hit, Hits, Rule
 from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_spring import KNOWS_COILS
 from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing, loss_of
 from valvetrain.findings.words import RPM, Amount, Phrase, Said, about, joined, speed_text
 from valvetrain.solution.critical import CriticalSpeed, SpeedBracket, places_text
@@ -23,15 +24,17 @@ SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike; share of a stress
 #: amplitude from which one breaks first.
 WIDE, ALIKE, WEAKER = 0.004, 0.01, 1.05
-#: Quantities by which two springs are compared, and by which a stress amplitude follows from forces.
-STRESS = "largest_amplitude_shear_stress"
+#: Stresses by which two springs are compared -> shares of the least and the largest force that make them without a wire.
+AMPLITUDE, STRESS = "largest_amplitude_shear_stress", "peak_shear_stress"
+SHARES = {AMPLITUDE: (-0.5, 0.5), STRESS: (0.0, 1.0)}
+#: Forces over a cycle, and stress and force at full lift by which a stress follows from them.
 RANGE_OF = (
     "minimum_spring_force",
     "peak_spring_force",
     "open_nominal_shear_stress",
     "open_spring_force",
 )
-SURGING = ("surge_amplitude_force",)
+SURGE = "surge_amplitude_force"
 
 
 def does(row: CriticalSpeed) -> Phrase:
@@ -335,6 +338,13 @@ def gains(facts: Facts) -> list[float]:
     return found
 
 
+def gain_text(found: list[float]) -> str:
+    """``97 to 243 rpm``: the least and the largest gain (rad/s) of :func:`gains`; empty for none."""
+    ends = [round(end / RPM) for end in (min(found), max(found))] if found else []
+    text = " to ".join(f"{end:d} rpm" for end in dict.fromkeys(ends))
+    return text.replace(" rpm to", " to").replace("-", "−")
+
+
 def _both_keep(facts: Facts) -> str:
     """The highest speed in use at which both of two springs keep the cam, as text; empty for none."""
     left: dict[float, list[float]] = {}
@@ -344,40 +354,36 @@ def _both_keep(facts: Facts) -> str:
     return speed_text(max(both)) if both else ""
 
 
-def _pair_fields(facts: Facts, found: list[tuple[str, float]]) -> Fields:
-    """The better of two springs first, to which speed each keeps control, which breaks first, and a model that gives a
-    second opinion.
+def _ranked(facts: Facts, clear: bool) -> Hits:
+    """Where a pair is clear or is not: the better of two springs first, to which speed each keeps control, which breaks
+    first, and a model that gives a second opinion. Clear is a gain above a hundredth of the speed with every model and
+    damping tried.
     """
+    found = pair(facts)
+    if not found:
+        return
     (better, high), (other, low) = found
     more = gains(facts)
-    stress = sorted(amplitudes(facts).items(), key=lambda one: one[1].value)
+    if (min([high - low, *more]) > ALIKE * low) != clear:
+        return
+    stress = sorted(stresses(facts, AMPLITUDE).items(), key=lambda one: one[1].value)
     weaker = len(stress) == 2 and stress[1][1].value > WEAKER * stress[0][1].value
-    simple = facts.runs[0].model in ("massless", "modal-uniform", "multi-mass")
-    return {
-        "gain": f"{about(more[0])} rpm" if more else "", "better": better, "other": other, "high": reached(high), "low": reached(low),
+    yield Hit(Amount(SPEED, min(low, 1e9)), None, facts.study.record.red_line, {
+        "gain": gain_text(more), "better": better, "other": other, "high": reached(high), "low": reached(low),
         **({"weak": stress[1][0], "stress": stress[1][1], "less": stress[0][1]} if weaker else {}),
-        "model": "wave-rod" if simple else "modal-uniform",
+        "model": "multi-mass" if facts.runs[0].model in KNOWS_COILS else "wave-rod",
         "there": _both_keep(facts),
-    }  # fmt: skip
-
-
-def _clear(facts: Facts, found: list[tuple[str, float]]) -> bool:
-    return found[0][1] > (1 + ALIKE) * found[1][1] and min(gains(facts), default=1.0) > 0
+    })  # fmt: skip
 
 
 def longer(facts: Facts) -> Hits:
     """One of two springs keeps control longer by more than a hundredth of the speed, with every model and damping tried."""
-    found = pair(facts)
-    if found and _clear(facts, found):
-        limit = facts.study.record.red_line
-        yield Hit(Amount(SPEED, found[1][1]), None, limit, _pair_fields(facts, found))
+    return _ranked(facts, clear=True)
 
 
 def alike(facts: Facts) -> Hits:
     """Two springs lose control within a hundredth of the speed, or neither does, or model or damping decides which."""
-    found = pair(facts)
-    if found and not _clear(facts, found):
-        yield Hit(Amount(SPEED, min(found[1][1], 1e9)), fields=_pair_fields(facts, found))
+    return _ranked(facts, clear=False)
 
 
 def reached(end: float) -> str:
@@ -398,32 +404,21 @@ def most_surge(facts: Facts) -> dict[str, tuple[float, float]]:
                 for at, _, size in facts.curve(run.label)
                 if at <= facts.in_use and size >= 0
             ]
-        if (size := run.quantities.get(SURGING[0], math.nan)) >= 0:
+        if (size := run.quantities.get(SURGE, math.nan)) >= 0:
             sizes.append((size, run.engine_speed))
     return {name: max(sizes) for name, sizes in found.items() if sizes}
 
 
-def amplitudes(facts: Facts) -> dict[str, Amount]:
-    """Name of either spring of a pair -> largest stress amplitude of its runs: that along its wire, else of half the range of
-    its force.
-    """
-    return _stresses(facts, STRESS, -0.5, 0.5)
-
-
-def most_stress(facts: Facts) -> dict[str, Amount]:
-    """Name of either spring of a pair -> largest stress of its runs: that of its wire, else of its largest force."""
-    return _stresses(facts, "peak_shear_stress", 0.0, 1.0)
-
-
-def _stresses(facts: Facts, name: str, of_least: float, of_most: float) -> dict[str, Amount]:
-    """Largest stress by a quantity of either spring, else by shares of its least and its largest force and the stress for
-    each newton at full lift.
+def stresses(facts: Facts, name: str) -> dict[str, Amount]:
+    """Name of either spring of a pair -> the largest of a stress of :data:`SHARES` in its runs: that of its wire, else by its
+    least and its largest force and the stress for each newton at full lift.
     """
     found: dict[str, Amount] = {}
     for run in facts.runs if pair(facts) else ():
         low, high, stress, force = (facts.value(run, one) for one in RANGE_OF)
+        of_low, of_high = SHARES[name]
         along = facts.value(run, name)
-        size = along if along > 0 else (of_least * low + of_most * high) * stress / force
+        size = along if along > 0 else (of_low * low + of_high * high) * stress / force
         if size > (found[run.spring_set].value if run.spring_set in found else 0.0):
             found[run.spring_set] = Amount(name, size)
     return found

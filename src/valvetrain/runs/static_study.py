@@ -17,7 +17,6 @@ from valvetrain.quantities.forces import lift_harmonics
 from valvetrain.quantities.limits import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import (
     buckling_quantities,
-    estimated_rate,
     rest_quantities,
     size_quantities,
 )
@@ -81,11 +80,7 @@ def static_study(request: Static | Modes, watch: Watch = Watch()) -> Study:
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
             still[f"{label}, {again + 1}" if again else label] = (
                 size_quantities(installed)
-                | (
-                    {}
-                    if request.command == "static"
-                    else _estimates(installed) | _ringing(installed, one)
-                )
+                | ({} if request.command == "static" else _ringing(installed, one))
                 | rest_quantities(one)
                 | buckling_quantities(installed, one, lift)
                 | _travel(installed, lift, case.train is not None)
@@ -182,14 +177,6 @@ def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, floa
     found = {"rigid_maximum_valve_lift" if train else "maximum_lift": lift} if lift > 0 else {}
     found |= spring.clearances(lift) if lift > 0 else {}
     return found if spring.room is None else found | {"coil_bind_lift": spring.room}
-
-
-def _estimates(spring: InstalledSpring) -> dict[str, float]:
-    """What a card would have of a wire: rate and surge frequency by torsion alone."""
-    if spring.wire is None:
-        return {}
-    rate, mass = estimated_rate(spring.wire)
-    return {"estimated_rate": rate, "estimated_surge_frequency": 0.5 * float(np.sqrt(rate / mass))}
 
 
 def _ringing(spring: InstalledSpring, rest: SpringAtRest) -> dict[str, float]:

@@ -250,7 +250,8 @@ def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
         return installed + max(1.06 * maximum_lift, 0.2 * installed)
     travel = spring.wire.solid_compression
     top = maximum_lift if maximum_lift > 0 else 0.8 * travel
-    reach = float(min(installed + 1.06 * top, 0.98 * travel))
+    full = installed + maximum_lift
+    reach = float(min(installed + 1.06 * top, max(0.98 * travel, full if full < travel else 0.0)))
     if maximum_lift > 0 or spring.guide is not None:
         return reach
     buckling = formula_compression(spring.wire)

@@ -290,7 +290,8 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
         key = (member.gear, member.model.word, member.springs)
         if key in found:
             continue
-        system = member.system(member_statics(problem, member), problem.built)
+        free = replace(member, rubbing=None)  # friction is no stiffness
+        system = free.system(member_statics(problem, member), problem.built)
         if isinstance(system, DrivenSprings):
             system = system.train
         assert isinstance(system, TrainSystem)

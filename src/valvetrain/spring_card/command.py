@@ -143,6 +143,11 @@ class CardRequest(Fields):
                 "the height of the closed valve belongs in --installed 'HEIGHT, LOAD' where there is no table",
                 "installed_height",
             )
+        if self.table is not None and self.table.suffix == ".toml":
+            raise InputError(
+                f"'{self.table}' is a case, and no table of measured forces; 'valvetrain static {self.table}' gives the loads of its springs",
+                "table",
+            )
         if self.table is not None and (self.installed or self.open_load):
             raise InputError(
                 "a table holds the loads; leave --installed and --open-load out, or the table",

@@ -26,8 +26,8 @@ from valvetrain.solution.static import POINT_QUANTITIES, RestPoint
 from valvetrain.views.shown import ShownStudy
 from valvetrain.views.table import Line, TextTable
 
-#: Springs that are columns of the first table, and axial modes that are its rows.
-COLUMNS, MODES = 4, 4
+#: Springs that are columns of the first table, and axial modes and cam orders that are its rows.
+COLUMNS, MODES, MET = 4, 2, 4
 STATES = {"closed": "valve closed", "full_lift": "full lift"}
 #: Rows of what is left to coil bind, and the quantities that findings read of it.
 TO_BIND = {"coil bind": BIND, "by wire and turns": WOUND}
@@ -59,12 +59,12 @@ def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
             continue
         if pair is not None:
             both = {
-                "installed": pair.force(0.0),
-                "full lift": pair.force(pair.lift),
-                "rate": pair.rate(0.0),
+                "installed": (pair.force(0.0),),
+                "full lift": (pair.force(pair.lift),),
+                "rate": (pair.rate(0.0), pair.rate(pair.lift)),
             }
-            amount = both.get(label)
-            cells.append("" if amount is None else words.amount(amount))
+            known = [one for one in both.get(label, ()) if one is not None]
+            cells.append(words.span(known[0], known[-1]) if known else "")
         bind = label in TO_BIND
         lines.append(
             bind_line(label, cells, note, findings, words)
@@ -112,9 +112,8 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
         known = installed is not None and installed.height is not None
         return said(Amount("installed_height", installed.height) if known else None)  # type: ignore[union-attr, arg-type]
 
-    def shear(one: State) -> str:
-        ends = [one.shear(at) for at in (one.one.precompression, one.full_lift)]
-        first, last = ends
+    def span(read: Callable[[float], Amount | None], one: State) -> str:
+        first, last = read(one.one.precompression), read(one.full_lift)
         return words.span(first, last) if first and last else said(first)
 
     def left(one: State) -> str:
@@ -126,16 +125,20 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
 
         return read
 
+    lifted = any(math.isfinite(one.lift) for one in states)
+    over = "closed to full lift" if lifted else "as installed"
     yield "height", height, "installed, between the seats"
     yield "installed", lambda one: said(one.force(one.one.precompression)), ""
     yield "full lift", lambda one: said(one.force(one.full_lift)), ""
-    yield "rate", lambda one: said(one.rate(one.one.precompression)), "as installed"
+    yield "rate", lambda one: span(one.rate, one), over
+    stated = any("computed_solid_height" in one.values for one in states)
+    of_wire = "as stated" if stated else "end turns stack higher than turns times wire"
+    yield "solid height", lambda one: said(one.amount("solid_height")), of_wire
     yield "coil bind", left, "at full lift"
     by_turns = "to coil bind at full lift"
     yield "by wire and turns", lambda one: wound_text(one.amount, words), by_turns
     by = "in the section" if any(one.one.stress for one in states) else "EN 13906-1"
-    yield "wire, shear", shear, f"installed to full lift; {by}"
-    yield from _modes(words)
+    yield "wire, shear", lambda one: span(one.shear, one), f"{over}; {by}"
     for place in range(max((len(one.one.points) for one in states), default=0)):
         yield "as requested", point(place), ""
 
@@ -185,7 +188,7 @@ def _meetings(
         return
     highest, *lowest = orders_of(facts, first)
     beyond = 0 if lowest or not facts.study.record.top_speed else highest - 1
-    few = range(highest, lowest[0] - 1, -2) if lowest else strongest(facts, first, MODES)
+    few = range(highest, lowest[0] - 1, -2) if lowest else strongest(facts, first, MET)
     for order in (*few, *[beyond] * (beyond > 0)):
         lift = lift_of(facts, order)
         size = "" if lift is None else f", {words.amount(lift)} of lift"

@@ -13,6 +13,8 @@ from valvetrain.findings.rules_rest import IN_USE, lift_of, orders_of, strongest
 from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
+from valvetrain.units import to_unit
+from valvetrain.units.reader import shown_system
 from valvetrain.views.style import (
     BAD,
     OTHER,
@@ -34,6 +36,8 @@ ORDERS = range(3, 31)
 WALL = 4.0
 #: Share by which surge frequencies differ whose cam orders are both labelled.
 APART = 0.02
+#: Share of the largest lift of an order in use from which one is labelled, so that no label covers another.
+LABELLED = 0.25
 #: Opacity of an order above the speeds in use.
 PALE = 0.3
 #: Axial modes whose shapes are drawn.
@@ -185,8 +189,8 @@ def _least_room(one: State) -> float:
 
 
 def surge_orders(facts: Facts) -> go.Figure | None:
-    """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm), and how much of the lift (µm)
-    each of them has there.
+    """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm), and how much of the lift (µm or
+    thou) each of them has there.
     """
     states = [one for one in states_of(facts.study) if one.surge is not None]
     if not states:
@@ -199,8 +203,10 @@ def surge_orders(facts: Facts) -> go.Figure | None:
     low, high = 0.8 * min(surges), 1.25 * max(surges)
     least, most = 120 * min(surges) / first, 120 * max(surges) / last
     orders = {order: lift_of(facts, order) for order in range(last, first + 1)}
-    lifts = {order: 1e6 * one.value for order, one in orders.items() if one is not None}
+    unit = "µm" if shown_system() == "si" else "thou"
+    lifts = {order: to_unit(one.value, unit) for order, one in orders.items() if one is not None}
     top = (facts.study.record.top_speed or math.inf) / RPM
+    tall = max((lifts[order] for order in best if lifts), default=0.0)
     fig = panels((0.62, 0.38) if lifts else (1.0,))
     for order in orders:
         ends = [max(least * 0.95, 120 * low / order), min(most * 1.05, 120 * high / order)]
@@ -217,32 +223,26 @@ def surge_orders(facts: Facts) -> go.Figure | None:
         fig.add_trace(line(reach, [value, value], name, colour), 1, 1)
         met = [120 * value / order for order in orders]
         far = value == surges[0] or abs(value / surges[0] - 1) > APART
-        marks = {
-            "mode": "markers",
-            "name": name,
-            "showlegend": False,
-            "hovertemplate": "%{x:.0f} rpm",
-        }
-        fig.add_trace(
-            go.Scatter(x=met, y=[value] * len(met), marker={"color": colour, "size": 8}, **marks),
-            1,
-            1,
-        )
+        fig.add_trace(go.Scatter(
+            x=met, y=[value] * len(met), mode="markers", name=name, showlegend=False, marker={"color": colour, "size": 8},
+            hovertemplate="%{x:.0f} rpm",
+        ), 1, 1)  # fmt: skip
         for speed, order in zip(met, orders, strict=True) if lifts else ():
             size = lifts[order]
+            named = far and size > LABELLED * tall
             fig.add_trace(go.Scatter(
-                x=[speed, speed], y=[0.0, size], mode="lines+markers+text", text=["", f"{order}" * far], textposition="top center", name=name,
+                x=[speed, speed], y=[0.0, size], mode="lines+markers+text", text=["", f"{order}" * named], textposition="top center", name=name,
                 line={"color": colour, "width": 2}, marker={"size": [0, 6]}, showlegend=False, textfont={"size": 11, "color": colour},
                 opacity=1.0 if speed <= top else PALE,
             ), 2, 1)  # fmt: skip
-    titles = ("frequency, Hz", "lift of the order, µm")
+    titles = ("frequency, Hz", f"lift, {unit}")
     styled(fig, "engine speed, rpm", titles[: 1 + bool(lifts)], 430)
     if 0.95 * least < top < 1.05 * most:
         red_line(fig, top, IN_USE[facts.study.record.red_line is None])
     fig.update_layout(hovermode="closest")
     fig.update_yaxes(range=[low, 1.04 * high], row=1, col=1)
     if lifts:
-        fig.update_yaxes(range=[0.0, 1.25 * max(lifts.values())], row=2, col=1)
+        fig.update_yaxes(range=[0.0, 1.25 * tall], row=2, col=1)
     return fig.update_xaxes(tickformat="d")
 
 

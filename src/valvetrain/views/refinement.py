@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from textwrap import wrap
 
 import plotly.graph_objects as go
 
 from valvetrain.findings.rules_refine import RULES, RefineFacts, reach_of, share_of
-from valvetrain.findings.words import UNRESOLVED, Amount, digits_text
+from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, percent
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.uncertainty import Uncertainty
@@ -19,8 +20,8 @@ from valvetrain.views.table import Line
 
 #: Rows of the first table and of the figure: the numbers that move most.
 ROWS = 10
-
-
+#: Letters of a line of a label in the figure, so that a phone shows all of them.
+BREADTH = 24
 #: Least share (per cent) that is drawn.
 LEAST = 0.01
 
@@ -64,17 +65,21 @@ class RefineAnswer(ShownByRules):
 
     @property
     def _rows(self) -> list[Uncertainty]:
-        return sorted(self.facts.rows, key=_most, reverse=True)[:ROWS]
+        rows = self.facts.rows
+        widest = max(map(share_of, rows), default=0.0)  # of which the verdict speaks
+        return sorted(rows, key=lambda row: (share_of(row) == widest, _most(row)), reverse=True)[
+            :ROWS
+        ]
 
-    def _name(self, row: Uncertainty, between: str = ", ") -> str:
-        return between.join(filter(None, (label_of(row.quantity), self.facts.place(row, "{}"))))
+    def _name(self, row: Uncertainty) -> str:
+        return ", ".join(filter(None, (label_of(row.quantity), self.facts.place(row, "{}"))))
 
     def _cells(self, row: Uncertainty) -> tuple[str, ...]:
         unit = self.words.unit(row.quantity, row.value)
         value, bar = (digits_text(one / unit.size, 0, 4 - 2 * k) for k, one in enumerate((row.value, row.numerical)))  # fmt: skip
         reach = row.contact_range
         ends = "" if reach is None else self.words.span(Amount(row.quantity, reach.low), Amount(row.quantity, reach.high), 4)  # fmt: skip
-        return f"{value} {unit.text}".strip(), f"± {bar}", ends
+        return f"{value} {unit.text}".strip(), f"± {bar}, {percent(share_of(row))}", ends
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """The numbers that move most."""
@@ -83,7 +88,7 @@ class RefineAnswer(ShownByRules):
 
     def _bars(self) -> go.Figure | None:
         """Error bars and half ranges over contact constants as shares (per cent) of their numbers."""
-        names = [self._name(row, "<br>") for row in self._rows]
+        names = ["<br>".join(wrap(self._name(row), BREADTH)) for row in self._rows]
         fig = go.Figure()
         for share, name, colour in (
             (share_of, "numerics, ±", LEAD),

@@ -14,19 +14,19 @@ from valvetrain.findings.engine import Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_sweep import (
     ALIKE,
+    AMPLITUDE,
     SPEED,
     STRESS,
-    SURGING,
-    amplitudes,
+    SURGE,
+    gain_text,
     gains,
-    most_stress,
     most_surge,
     pair,
     reached,
+    stresses,
 )
 from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest
 from valvetrain.findings.words import (
-    RPM,
     Amount,
     Words,
     about,
@@ -44,6 +44,8 @@ from valvetrain.views.table import Line
 
 #: Marks by falling gravity.
 GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
+#: Rows that say nothing of a difference between two springs.
+NO_DIFFERENCE = ("most at", "valve open", "lift lost", "open time lost")
 #: Runs that are columns of the first table, at most.
 COLUMNS = 4
 
@@ -210,6 +212,8 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     for row in (*ROWS, *_added_rows()):
         if row.of not in of or row.units not in units:
             continue
+        if row.label in NO_DIFFERENCE and pair(facts):
+            continue
         cells = _cells(row, facts, runs, brief)
         if not any(cells):
             continue
@@ -234,27 +238,25 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     """Of two springs in one engine: to which speed each keeps control and by how much longer the better one does, and its
     largest surge, stress and stress amplitude.
     """
-    sets, more = [run.spring_set for run in runs], [round(one / RPM) for one in gains(facts)]
+    sets, more = [run.spring_set for run in runs], gains(facts)
     ends = tuple(reached(facts.control(run.label).limit) for run in runs)
     between, surge = "of the speeds searched", most_surge(facts)
-    if len({*more}) > 1:
-        between = f"{min(more)} to {max(more)} rpm apart by model and damping".replace("-", "−")
-    most = [surge.get(name, (math.nan, 0.0)) for name in sets]
-    cells = [
-        f"{words.amount(Amount(SURGING[0], size))} at {about(at)} rpm" if size >= 0 else ""
-        for size, at in most
-    ]
+    if len(more) > 1:
+        between = f"{gain_text(more)} apart by model and damping"
+    most = tuple(
+        f"{words.amount(Amount(SURGE, surge[name][0]))} at {about(surge[name][1])} rpm" if name in surge else "" for name in sets
+    )  # fmt: skip
     peak, amplitude = (
         tuple(words.amount(found[name]) if name in found else "" for name in sets)
-        for found in (most_stress(facts), amplitudes(facts))
+        for found in (stresses(facts, STRESS), stresses(facts, AMPLITUDE))
     )
     endless = " or ".join(
-        f"{words.amount(Amount(STRESS, (high - low) / 2))} {word}"
+        f"{words.amount(Amount(AMPLITUDE, (high - low) / 2))} {word}"
         for word, (low, high) in FATIGUE_RANGES.items()
     )
     lines = (
         Line("in control", ends, "", between),
-        Line("most surge", tuple(cells), "", "0 to peak, of the speeds in use"),
+        Line("most surge", most, "", "0 to peak, of the speeds in use"),
         Line("most shear", peak, "", "in motion, of the speeds in use"),
         Line("shear amplitude", amplitude, "", f"half its range in motion, endless to {endless}"),
     )  # fmt: skip
