@@ -246,6 +246,7 @@ BUILT_IN["figures"] = {
     "searched/speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
     "sweeps/spin": "valvetrain.views.over_speed:SPIN",
     "sweeps/forces": "valvetrain.views.over_speed:FORCES",
+    "sweeps/stress": "valvetrain.views.over_speed:STRESSES",
     "compare/models": "valvetrain.views.side_by_side:MODELS",
     "train/control": "valvetrain.views.figures:CONTROL",
     "force": "valvetrain.views.figures:FORCE",

@@ -61,7 +61,7 @@ def test_findings_name_chaos_hysteresis_and_what_repels(tmp_path: Path) -> None:
     small = [replace(one, values=tuple(1e-2 * value for value in one.values)) for one in little]
     assert BranchesAnswer(Branches("own", "loft_gap", tuple(small), 9)).findings.codes == ("W204",)
     alone = Branches("own", "loft_gap", POINTS[:1], 3)
-    assert BranchesAnswer(alone).findings.codes == ("W203",)
+    assert BranchesAnswer(alone).findings.codes == ("W204",)
     assert (
         "W214"
         in BranchesAnswer(Branches("own", "loft_gap", POINTS[:1], 3, complete=False)).findings.codes
@@ -109,7 +109,7 @@ def test_a_landing_gained_or_lost_is_a_grazing_between_its_speeds() -> None:
     assert ends(found.grazing) == [pytest.approx((200, 300))]
     assert "W215" in BranchesAnswer(found).findings.codes
     assert not Branches("own", "loft_gap", march[:2], 9).grazing
-    assert BranchesAnswer(Branches("own", "loft_gap", march[:2], 9)).findings.codes == ("W203",)
+    assert BranchesAnswer(Branches("own", "loft_gap", march[:2], 9)).findings.codes == ("W204",)
 
 
 def test_an_orbit_whose_stability_is_not_resolved_is_said_to_be_so_without_a_number() -> None:
@@ -171,4 +171,4 @@ def test_the_command_prints_its_points_as_an_object(tmp_path: Path) -> None:
     words = ("branches", "tdi-pushrod", "--spring-set", "stock", "--rpm", "3000:3100:50")
     told = json.loads(call(*words, "--output", str(tmp_path / "out"), "--json").stdout)
     assert [one["motion"] for one in told["points"]] == ["period 1"] * 6
-    assert told["findings"][0]["code"] == "W203" and (tmp_path / "out" / "branches.nc").exists()
+    assert told["findings"][0]["code"] == "W204" and (tmp_path / "out" / "branches.nc").exists()

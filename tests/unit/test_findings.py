@@ -25,7 +25,8 @@ from valvetrain.solution.definition import is_defined
 from valvetrain.solution.status import Cause
 from valvetrain.solution.study import Study
 from valvetrain.views.answer import Answer
-from valvetrain.views.rows import ROWS
+from valvetrain.views.over_speed import stresses
+from valvetrain.views.rows import DETAILS, ROWS
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "train.crank.valve_inclination": "15 deg"}  # fmt: skip
@@ -108,7 +109,7 @@ def running_up(last: str) -> Study:
         ("V102", "ls-6600", "calm"), ("L101", "calm", "flies"), ("P101", "piston-hit", "piston-near"),
         ("P102", "piston-near", "piston-far"), ("B102", "ls-close", "ls-5000"), ("K101", "clash", "slow"),
         ("K102", "wire-short", "wire"), ("K105", "wire", "wire-short"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
-        ("K110", "clash", "slow"), ("K120", "slow", "no-coils"), ("K121", "slow", "clash"), ("E101", "lifts", "no-coils"),
+        ("K110", "clash", "slow"), ("K121", "slow", "clash"), ("E101", "lifts", "no-coils"),
         ("S101", "wire-weak", "wire-strong"), ("G101", "ls-6600", "ls-5000"), ("G102", "ls-5000", "ls-6600"), ("R100", "still", "calm"),
         ("R101", "ls-solid", "ls-close"),
         ("R120", "ls-7375", "ls-5000"), ("R130", "ls-models", "no-coils"), ("M101", "ls-models", "ls-6600"),
@@ -370,7 +371,7 @@ def test_a_finding_of_several_speeds_names_those_at_which_it_holds():
 
 
 def test_rules_and_rows_read_quantities_that_exist():
-    read = {name for one in (*rules(), *ROWS) for name in one.reads}
+    read = {name for one in (*rules(), *ROWS, *DETAILS) for name in one.reads}
     assert not [name for name in read if not is_defined(name)]
 
 
@@ -381,6 +382,14 @@ def test_a_rule_has_one_code_and_is_explained():
         assert {"code", "level", "says"} <= set(explain(code))
     with pytest.raises(UnknownNameError):
         explain("C999")
+
+
+def test_the_stress_of_a_wire_is_drawn_over_engine_speed():
+    runs = tuple(study(name).solutions[0] for name in ("slow", "clash"))
+    data = stresses(Facts(replace(study("slow"), solutions=runs))).data
+    peaks = [1e-6 * run.quantities["peak_shear_stress"] for run in runs]
+    assert list(data[0].y) == pytest.approx(peaks) and data[1].name.startswith("least")
+    assert stresses(Facts(study("slow"))) is None
 
 
 def test_units_and_language_are_tables():

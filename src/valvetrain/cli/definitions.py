@@ -37,13 +37,13 @@ class QuantitiesLine(AnswerLine):
 
 def findings(line: FindingsLine) -> None:
     """Explain a finding: what it says, when it holds, what it reads and what to do next."""
-    from valvetrain.findings.table import every_rule, explain
+    from valvetrain.findings.table import every_rule, explain, plain
 
     if line.code:
         told = explain(line.code)
         _deliver(told, ("", ""), list(told.items()))
         return
-    rows = [(one.code, one.level, one.text) for one in every_rule()]
+    rows = [(one.code, one.level, plain(one.text)) for one in every_rule()]
     _deliver({"findings": _objects(("code", "level", "says"), rows)}, ("", "", ""), rows)
 
 

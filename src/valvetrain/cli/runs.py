@@ -79,9 +79,8 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
         "asked": run.answer.get("command"),
         "models": run.choices.get("models", []),
         "engine_speeds": {"values": run.choices.get("engine_speeds", []), "unit": "rpm"},
-        "completed": run.answer.get("completed"),
+        "completed": run.state == "completed",
         "state": run.state,
-        "headline": run.headline,
         "verdict": run.verdict or None,
         "folder": str(run.folder),
     }

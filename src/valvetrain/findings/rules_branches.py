@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,14 @@ class BranchFacts(Subject):
         """Whether revolutions differ by less than matters to a valve."""
         return self.spread.value <= self.small
 
+    @property
+    def shown(self) -> Branches:
+        """The branches as rows and picture show them: of alike revolutions the motions that attract, as if they repeated."""
+        if not self.alike:
+            return self.branches
+        points = (replace(one, period=1) for one in self.branches.points if not one.repels)
+        return replace(self.branches, points=tuple(points))
+
 
 def spans_text(spans: Sequence[SpeedBracket]) -> str:
     """Ranges of speed in rpm: ``8630 and 8700 to 9080``."""
@@ -86,17 +94,8 @@ def two_motions(facts: BranchFacts) -> Hits:
         yield Hit(facts.spread, fields={"spans": spans_text(spans), **name})
 
 
-def simple(facts: BranchFacts) -> Hits:
-    """The motion repeats with every revolution at all speeds, and rising and falling speed show the same."""
-    if (
-        all(one.motion == "period 1" for one in facts.branches.points)
-        and not facts.branches.hysteresis
-    ):
-        yield Hit(fields={"reach": facts.reach})
-
-
 def alike(facts: BranchFacts) -> Hits:
-    """Revolutions differ, but by less than matters to a valve."""
+    """Revolutions are the same, or differ by less than matters to a valve, whether the speed rises or falls."""
     if facts.alike:
         fields = {"name": label_of(facts.branches.quantity), "reach": facts.reach}
         yield Hit(facts.spread, None, facts.small, fields)
@@ -117,9 +116,8 @@ def grazes(facts: BranchFacts) -> Hits:
 SWEEP, RUN = "[valvetrain sweep {case} --rpm '{reach}']", "[valvetrain run {case} --rpm {first}]"
 BY = "{name} differs by up to {value}"
 RULES = (
-    Rule("W203", "decides", "the motion repeats with every revolution, and is stable, at all speeds", simple, step=SWEEP, mark="ok"),
-    Rule("W204", "decides", "revolutions are alike at every speed: {name} differs by at most {value} from one to the next", alike, (),
-         "below {limit} it does not matter", SWEEP, mark="ok", unless=("W203",)),
+    Rule("W204", "decides", "rising and falling speed give the same motion in every revolution: {name} differs by at most {value}", alike, (),
+         "below {limit} it does not matter", SWEEP, mark="ok"),
     Rule("W201", "decides", "the motion is chaotic at {spans} rpm", moves("chaotic"), (), f"{BY} from revolution to revolution", RUN,
          unless=("W204",)),
     Rule("W202", "decides", "at {spans} rpm a rising and a falling speed show different motions", two_motions, (), BY, SWEEP,
@@ -130,7 +128,7 @@ RULES = (
          mark="warn", unless=("W204",)),
     Rule("W213", "warns", "whether the motion at {spans} rpm is stable is not resolved", moves(UNRESOLVED), (),
          "its multiplier depends on the size of the disturbance", RUN, unless=("W204",)),
-    Rule("W215", "notes", "a contact of the motion just begins or ends (grazing) at {spans} rpm", grazes),
+    Rule("W215", "notes", "a contact of the motion just begins or ends (grazing) at {spans} rpm", grazes, unless=("W204",)),
     Rule("W214", "warns", "the march ended after {count} revolutions, before all speeds", cut,
          step="allow more revolutions, or march fewer speeds"),
 )  # fmt: skip

@@ -24,7 +24,8 @@ CONTROL = {
 #: Likewise every number that decides a comparison of two runs, with those of each spring of a pair.
 DECIDING = CONTROL | {
     "peak_spring_force": 1.0, "peak_retainer_force": 1.0, "peak_cam_contact_force": 1.0, "bounce_height": 1e-5,
-    "seating_velocity": 0.01, "coil_bind_clearance": 1e-5, "peak_shear_stress": 1e6, "preload": 1.0,
+    "seating_velocity": 0.01, "coil_bind_clearance": 1e-5, "peak_shear_stress": 1e6, "largest_amplitude_shear_stress": 1e6,
+    "surge_amplitude_force": 1.0, "clash_count": 0.5, "preload": 1.0,
 }  # fmt: skip
 
 
@@ -41,11 +42,6 @@ class SavedFacts(Subject):
     unfinished: tuple[UnfinishedFolder, ...]
     folder: Path = ROOT
     name: str = ""
-
-    @property
-    def case(self) -> str:
-        """The case that was asked for, or that of the newest run."""
-        return self.name or (self.runs[0].case if self.runs else "")
 
     @property
     def killed(self) -> list[UnfinishedFolder]:
@@ -98,8 +94,8 @@ def saved(facts: SavedFacts) -> Hits:
     }  # fmt: skip
     if facts.runs:
         run = facts.runs[0]
-        again = f"valvetrain {run.command} {shlex.quote(str(run.folder))}" if run.command else ""
-        fields["step"] = f"valvetrain compare-runs {facts.pair}" if facts.pair else again
+        step = str(run.verdict.get("step", ""))
+        fields["step"] = f"valvetrain compare-runs {facts.pair}" if facts.pair else step
     yield Hit(fields=fields)
 
 
@@ -108,11 +104,6 @@ class DifferenceFacts(Subject):
     """Two saved runs and what differs between them, as rules read it."""
 
     both: RunDifferences
-
-    @property
-    def case(self) -> str:
-        """The second run, which a command takes for its case."""
-        return shlex.quote(str(self.both.b.folder))
 
     @cached_property
     def changed(self) -> list[ResultDifference]:
@@ -132,11 +123,19 @@ class DifferenceFacts(Subject):
         name = row.quantity.removeprefix("outer_").removeprefix("inner_")
         return abs(row.difference or 0.0) > max(DECIDING.get(name, math.inf), row.bar)
 
+    def run_of(self, row: ResultDifference) -> str:
+        """The run of a number; empty where no other run has a number of that name."""
+        runs = {one.run for one in self.changed if one.quantity == row.quantity}
+        return row.run if len(runs) > 1 else ""
+
     @property
     def input(self) -> tuple[str, Any, Any] | None:
         """The input that differs and matters most: a value of the case, else an option, else a version."""
-        ranks = ("versions.", "choices.", "command", "case")
-        return min(self.both.inputs, key=lambda row: row[0].startswith(ranks), default=None)
+        ranks = (
+            ("versions.", "choices.", "command", "case"),
+            ("versions.", "choices.models"),  # a set brings its model
+        )
+        return min(self.both.inputs, key=lambda row: [*map(row[0].startswith, ranks)], default=None)
 
 
 def share_of(row: ResultDifference) -> float:
@@ -151,13 +150,13 @@ def name_of(row: ResultDifference) -> str:
 
 def cause(facts: DifferenceFacts) -> dict[str, Said]:
     """The input that differs, as fields."""
-    row = facts.input
+    row, step = facts.input, facts.both.b.verdict.get("step", "")
     if row is None:
-        return {"input": "the inputs are the same"}
+        return {"input": "the inputs are the same", "step": step}
     key, a, b = row
     more = len(facts.both.inputs) - 1
-    said = f"{key} {value_text(a)} became {value_text(b)}"
-    return {"input": said, "more": count_text(more, "more input") if more else ""}
+    said = f"{key.removeprefix('choices.')} {value_text(a)} became {value_text(b)}"
+    return {"input": said, "more": count_text(more, "more input") if more else "", "step": step}
 
 
 def value_text(value: object) -> str:
@@ -170,9 +169,8 @@ def change(facts: DifferenceFacts) -> Hits:
     """A headline number differs by more than its error bars; without error bars by more than a thousandth."""
     for row in facts.deciding[:1]:
         a, b = row.a or 0.0, row.b or 0.0
-        several = len({one.run for one in facts.changed if one.quantity == row.quantity}) > 1
         yield Hit(Amount(row.quantity, b), fields={
-            "name": name_of(row), "way": "rises" if b > a else "falls", "a": Amount(row.quantity, a), "run": row.run if several else "",
+            "name": name_of(row), "way": "rises" if b > a else "falls", "a": Amount(row.quantity, a), "run": facts.run_of(row),
             "share": "" if row.relative is None else f"{digits_text(100 * share_of(row), 0, 2)} %", **cause(facts),
         })  # fmt: skip
 
@@ -197,13 +195,6 @@ def failed(facts: DifferenceFacts) -> Hits:
             yield Hit(fields={"letter": letter, "said": run.failures[0]})
 
 
-def alone(facts: DifferenceFacts) -> Hits:
-    """Numbers that one of the runs lacks."""
-    number = len(facts.both.results) - len(facts.changed)
-    if number:
-        yield Hit(fields={"count": count_text(number, "number")})
-
-
 SAVED = (
     Rule("J201", "decides", "no runs are saved", nothing, (), "'{folder}' holds none[ of {of}]", "valvetrain cases", mark=""),
     Rule("J202", "decides", "killed before its end: {count}, the last of {of} after {ended}", killed, (),
@@ -215,12 +206,11 @@ SAVED = (
          unless=("J20",)),
 )  # fmt: skip
 DIFFERENT = (
-    Rule("J221", "decides", "{name} {way} [{share}, ]from {a..value}[ ({run})]", change, (), "{input}[, {more}]",
+    Rule("J221", "decides", "{name} {way} [{share}, ]from {a..value}[ ({run})]", change, (), "{input}[, {more}]", "[{step}]",
          mark=""),
-    Rule("J222", "decides", "no headline number differs by more than its error bar", small, (), "{input}[, {more}]", mark="",
+    Rule("J222", "decides", "no headline number differs by more than its error bar", small, (), "{input}[, {more}]", "[{step}]", mark="",
          unless=("J221",)),
-    Rule("J223", "decides", "the results[ {there}] are the same", same, (), "{input}[, {more}]", mark="", unless=("J22",)),
+    Rule("J223", "decides", "the results[ {there}] are the same", same, (), "{input}[, {more}]", "[{step}]", mark="", unless=("J22",)),
     Rule("J230", "warns", "run {letter} failed: {said}", failed),
-    Rule("J231", "notes", "{count} in one of the two runs only", alone),
 )  # fmt: skip
 RULES = (*SAVED, *DIFFERENT)

@@ -41,7 +41,7 @@ def _strike(facts: Facts, run: Solution) -> Hit | None:
     upper, lower = (f"{float(hardest.details.get(k, 0)):g}" for k in ("upper_coil", "lower_coil"))
     spring = hardest.where.partition("coils")[0].strip()
     return Hit(size, run, rest, {
-        "upper": upper, "lower": lower, "spring": spring and f"{spring} spring, ", "count": str(len(events)),
+        "upper": upper, "lower": lower, "spring": spring and f"{spring} spring, ",
         "angle": Amount("clash_cam_angle", angle), "motion": MOTIONS[facts.motion(run, angle)], "size": size,
         "rests": size.rests_on,
     })  # fmt: skip
@@ -121,16 +121,6 @@ def large_surge(facts: Facts) -> Hits:
             yield hit
 
 
-def resting(facts: Facts) -> Hits:
-    """Coils come to rest on each other as the spring closes: they press without a blow."""
-    for run in facts.runs:
-        blows = facts.strikes(run)
-        rest = [one for one in run.events if one.kind == "clash" and one not in blows]
-        if pairs := sorted({one.where for one in rest}):
-            fields = {"pairs": ", ".join(pairs).replace("-", "–")}
-            yield Hit(Amount("clash_count", len(rest)), run, fields=fields)
-
-
 BIND = tuple(f"{prefix}coil_bind_clearance" for prefix in SPRINGS)
 WOUND = ("wound_least_clearance", "wound_most_clearance")
 #: By wire and turns of a card without a solid height.
@@ -143,7 +133,7 @@ FORCE = ("peak_spring_force", "minimum_spring_force")
 SURGE = ("surge_amplitude_force",)
 STRIKE = "coil {upper} strikes coil {lower}[ {motion}][, {where}]"
 BLOW = "[{spring}]surge at {angle}[, {size}]"
-STRIKES = "{count} strikes[; height by {rests}]"
+STRIKES = "hardest: [{spring}]coil {upper} on {lower} at {angle}[; height by {rests}]"
 SWEEP = "valvetrain sweep {case}"
 
 ALONE = (
@@ -172,7 +162,6 @@ RULES = (
          "[cam order {order}]", "valvetrain modes {case}", "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),
     Rule("G102", "notes", "surge of {value}[ {at}][, cam order {order}]", surge, SURGE, remark="[of {left} to spare][, order {order}]",
          guide="how-to/20-orders.md", mark="ok", unless=("G101",)),
-    Rule("K120", "notes", "coils rest on each other at lift ({pairs}), which is no blow", resting, ("clash_count",)),
     Rule("K121", "notes", "coils meet lightly[, at most {value}][ {at}]", touches, CLASH, remark="light, below the {limit} at rest",
          mark="ok", unless=("K101", "K102")),
 )  # fmt: skip

@@ -177,7 +177,7 @@ def all_lose(facts: Facts) -> Hits:
         why = cause(lost[0], facts.losses(lost[0]))
         fields = _range(facts, lost, least, most) | {"cause": why}
         if not (least.resolved and most.resolved):
-            fields |= {"least": "", "limit": "how far it opens is not resolved"}
+            fields["least"] = ""  # how far it opens is not resolved
         yield Hit(most, None, 0.0, fields)
 
 
@@ -292,7 +292,7 @@ def kept_to_its_end(facts: Facts) -> Hits:
 #: By how much of its speed the last revolution of a run-up may be slower than the red line it ran up to.
 NEARLY = 0.02
 SWEEP, RUN = "valvetrain sweep {case}", "valvetrain run {case} --rpm '{speed}'"
-DECIDES = "{lead} decides[: {own}]"
+DECIDES = "[{own} ]by {lead}"
 FIRST = (
     Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, step="[{message}: ][{remedy}]"),
     Rule("R100", "decides", "nothing moves: the case names no engine speed", at_rest, mark="",
@@ -318,12 +318,12 @@ MODELS = (
          DECIDES, RUN, guide="models.md", mark="ok", unless=("M106",)),
     Rule("M103", "decides", f"{NEAR} by {{count}} models with surge: {{least..most}} left on the cam at {{speed}}", all_barely,
          CONTACT[:1], DECIDES, RUN, guide="models.md", mark="warn", unless=("M106",)),
-    Rule("M104", "decides", "{count} models with surge lose contact at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
-         "{lead} decides[: {cause}]", RUN, guide="models.md"),
+    Rule("M104", "decides", "{count} models with surge lose contact at {speed}[: {least..most} open]", all_lose, CONTACT,
+         "[{cause}, ]by {lead}", RUN, guide="models.md"),
 )  # fmt: skip
 PEAKS = (
-    Rule("M105", "decides", "{least..most} at most on the retainer at {speed}, by {count} models", peaks, ("peak_retainer_force",),
-         DECIDES, SWEEP, guide="models.md", mark=""),
+    Rule("M105", "decides", "[{own} ]at most on the retainer at {speed}, by {lead}", peaks, ("peak_retainer_force",),
+         "{count} models say {least..most}", SWEEP, guide="models.md", mark=""),
 )  # fmt: skip
 
 ENDS = (

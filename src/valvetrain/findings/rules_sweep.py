@@ -24,9 +24,9 @@ SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike; share of a stress
 #: amplitude from which one breaks first.
 WIDE, ALIKE, WEAKER = 0.004, 0.01, 1.05
-#: Stresses by which two springs are compared -> shares of the least and the largest force that make them without a wire.
+#: Stresses of springs -> shares of the least and the largest force that make them without a wire.
 AMPLITUDE, STRESS = "largest_amplitude_shear_stress", "peak_shear_stress"
-SHARES = {AMPLITUDE: (-0.5, 0.5), STRESS: (0.0, 1.0)}
+SHARES = {AMPLITUDE: (-0.5, 0.5), STRESS: (0.0, 1.0), "minimum_shear_stress": (1.0, 0.0)}
 #: Forces over a cycle, and stress and force at full lift by which a stress follows from them.
 RANGE_OF = (
     "minimum_spring_force",
@@ -45,19 +45,28 @@ def does(row: CriticalSpeed) -> Phrase:
 
 def why(facts: Facts, loss: Loss) -> Said:
     """Why control is lost: by the search where it looked at that onset, else by the first run within; of a bounce how the
-    valve lands.
+    valve lands in the run with the largest one.
     """
-    row, span = loss.row, loss.ranges[0]
+    row = loss.row
     if row.cause and loss.at_onset:
         return cause_text(row.cause, row.surge_order)
-    runs = (run for run in (*facts.runs, *facts.beyond) if run.label == row.label)
-    low, high = span.lower_engine_speed, span.upper_engine_speed
-    within = [run for run in runs if low <= run.engine_speed <= high]
+    within = _within(facts, loss)
     if row.kind == "bounce":
+        within.sort(key=lambda run: -facts.value(run, "bounce_height"))
         lands = ((landing(facts, run), speed_text(run.engine_speed)) for run in within)
         fields: Fields = next(({**told, "there": at} for told, at in lands if told), {})
         return Phrase("it lands at {velocity}[ on {part}] at {there}", fields) if fields else ""
     return next((cause(run, lost) for run in within if (lost := facts.losses(run))), "")
+
+
+def _within(facts: Facts, loss: Loss) -> list[Solution]:
+    """The runs of a label at speeds at which control is lost."""
+    ends = [(one.lower_engine_speed, one.upper_engine_speed) for one in loss.ranges]
+    return [
+        run
+        for run in (*facts.runs, *facts.beyond)
+        if run.label == loss.row.label and any(low <= run.engine_speed <= up for low, up in ends)
+    ]
 
 
 def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
@@ -157,6 +166,7 @@ def unknown_from(facts: Facts) -> Hits:
             "speed": f"about {about(speed)} rpm", "short": f"{about(short)} rpm" if 0 < short < math.inf else "",
             "label": facts.first_label if len(facts.lead_labels) > 1 else "",
             "does": "" if lost is None else does(lost.row), "lost": "" if lost is None else f"{about(lost.begin)} rpm",
+            "cause": "" if lost is None else why(facts, lost),
         }  # fmt: skip
         yield Hit(Amount(SPEED, speed), None, None, fields)
 
@@ -214,13 +224,8 @@ def lost_over_speed(kind: str) -> Condition:
         label = facts.first_label if facts.searched else ""
         losses = [one for one in facts.control(label).losses if one.row.kind == kind]
         for loss in losses[:1]:
-            ends = [(one.lower_engine_speed, one.upper_engine_speed) for one in loss.ranges]
-            within = [
-                run
-                for run in (*facts.runs, *facts.beyond)
-                if run.label == label and any(low <= run.engine_speed <= up for low, up in ends)
-            ]
-            pairs = [pair for pair in facts.amounts(SIZES[kind], within) if pair[0].value > 0]
+            runs = _within(facts, loss)
+            pairs = [pair for pair in facts.amounts(SIZES[kind], runs) if pair[0].value > 0]
             size, run = max(pairs, key=lambda pair: pair[0].value, default=("", None))
             yield Hit(Amount(SPEED, loss.begin), None, None, {
                 "does": does(loss.row), "cause": why(facts, loss), "size": size, "angle": _angle(facts, loss, run),
@@ -276,9 +281,9 @@ def two_motions(facts: Facts) -> Hits:
     for row in facts.study.critical_speeds if facts.searched else ():
         if row.label in facts.lead_labels and row.both_motions is not None:
             low, high = row.both_motions
-            yield Hit(
-                Amount(SPEED, high - low), None, None, {"low": about(low), "high": about(high)}
-            )
+            march = f"{about(0.99 * low)}:{about(1.01 * high)}:10 rpm"
+            fields: Fields = {"low": about(low), "high": about(high), "march": march}
+            yield Hit(Amount(SPEED, high - low), None, None, fields)
 
 
 def silent(facts: Facts) -> Hits:
@@ -366,7 +371,7 @@ def _ranked(facts: Facts, clear: bool) -> Hits:
     more = gains(facts)
     if (min([high - low, *more]) > ALIKE * low) != clear:
         return
-    stress = sorted(stresses(facts, AMPLITUDE).items(), key=lambda one: one[1].value)
+    stress = sorted(largest_stress(facts, AMPLITUDE).items(), key=lambda one: one[1].value)
     weaker = len(stress) == 2 and stress[1][1].value > WEAKER * stress[0][1].value
     yield Hit(Amount(SPEED, min(low, 1e9)), None, facts.study.record.red_line, {
         "gain": gain_text(more), "better": better, "other": other, "high": reached(high), "low": reached(low),
@@ -409,23 +414,27 @@ def most_surge(facts: Facts) -> dict[str, tuple[float, float]]:
     return {name: max(sizes) for name, sizes in found.items() if sizes}
 
 
-def stresses(facts: Facts, name: str) -> dict[str, Amount]:
-    """Name of either spring of a pair -> the largest of a stress of :data:`SHARES` in its runs: that of its wire, else by its
-    least and its largest force and the stress for each newton at full lift.
+def stress_of(facts: Facts, run: Solution, name: str) -> float:
+    """A stress (Pa) of a run along its wire, else by the force on its seat and the stress for each newton at full lift; NaN
+    of springs by card.
     """
+    along, (of_least, of_most) = facts.value(run, name), SHARES[name]
+    low, high, stress, force = (facts.value(run, one) for one in RANGE_OF)
+    return along if along > 0 else (of_least * low + of_most * high) * stress / force
+
+
+def largest_stress(facts: Facts, name: str) -> dict[str, Amount]:
+    """Name of either spring of a pair -> a stress, the largest of its runs."""
     found: dict[str, Amount] = {}
     for run in facts.runs if pair(facts) else ():
-        low, high, stress, force = (facts.value(run, one) for one in RANGE_OF)
-        of_low, of_high = SHARES[name]
-        along = facts.value(run, name)
-        size = along if along > 0 else (of_low * low + of_high * high) * stress / force
+        size = stress_of(facts, run, name)
         if size > (found[run.spring_set].value if run.spring_set in found else 0.0):
             found[run.spring_set] = Amount(name, size)
     return found
 
 
 LOSS = "{does} at {speed}[, {short} short of the red line][, by falling speed from {falling} on][ ({label})]"
-RANGE = "[range {range} rpm by {over}]"
+RANGE = "[onset {range} rpm by {over}]"
 WHY = "[{cause}][, at {angle}][, up to {size} at {there}]"
 #: Rules on what is lost over speed: code -> kind of critical speed.
 LOST_AT = {"W121": "contact-loss", "W122": "float", "W123": "bounce"}
@@ -440,15 +449,15 @@ RULES = (
     Rule("D102", "decides", "no clear difference in control: {better} {high}, {other} {low}", alike, (), GAIN, SECOND, mark="", guide=TWO),
     Rule("W104", "decides", "not in control: {does} already at {speed}", never_held, CONTACT, "[{cause}]", COMPARE,
          guide="how-to/09-loft.md", unless=("D10",)),
-    Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", PARTS, RANGE, DROPS, unless=("D10",)),
+    Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}][, at {angle}]", PARTS, RANGE, DROPS, unless=("D10",)),
     Rule("W102", "decides", "in control to {speed}, {short} above the red line[ ({label})]", lost_beyond, CONTACT,
-         "then it {does}[, {cause}]", PARTS, RANGE, DROPS, "ok", ("D10",)),
+         "then it {does}[, {cause}][, at {angle}]", PARTS, RANGE, DROPS, "ok", ("D10",)),
     Rule("W103", "decides", "in control up to {speed}, the highest searched", held, CONTACT,
          "[{least} left on the cam][ {at}]", COMPARE, mark="ok", unless=("D10",)),
     Rule("W105", "decides", "in control to {speed}, where the search ends, {short} below the red line", held_to_its_end, CONTACT,
          "[{least} left on the cam][ {at}]", "valvetrain sweep {case} --rpm '{reach}'", mark="", unless=("D10",)),
-    Rule("W106", "decides", "in control to {speed}[, {short} short of the red line][ ({label})]; beyond, ends of the spring would lift", unknown_from,
-         CONTACT, "[it {does} from {lost} on]", "valvetrain sweep {case} --model wave-rod", mark="warn", unless=("D10",)),
+    Rule("W106", "decides", "in control to {speed}[, {short} short of the red line][ ({label})]", unknown_from,
+         CONTACT, "then not known[; {does} from {lost} on[, {cause}]]", "valvetrain sweep {case} --model wave-rod", mark="warn", unless=("D10",)),
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
@@ -457,6 +466,6 @@ RULES = (
            guide=DROPS, unless=("D10",)) for code, kind in LOST_AT.items()),
     Rule("W115", "notes", "other models: {said}", by_others),
     Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
-         two_motions, remark="rising speed keeps control, falling speed does not regain it"),
+         two_motions, step="valvetrain branches {case} --rpm '{march}'", remark="rising speed keeps control, falling speed does not regain it"),
     Rule("W113", "notes", "{said}", unlike, unless=("D10",)),
 )  # fmt: skip

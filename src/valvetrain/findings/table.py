@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container
 
 from valvetrain.errors import UnknownNameError
@@ -88,7 +89,7 @@ def explain(code: str) -> dict[str, str]:
 
     Returns
     -------
-    What it says, when it holds, what it reads, why, and what to do next
+    What it says, with ``…`` for its numbers and names, when it holds, what it reads, why, and what to do next
 
     Raises
     ------
@@ -101,8 +102,18 @@ def explain(code: str) -> dict[str, str]:
     """
     rule = rule_of(code)
     found = {
-        "code": rule.code, "level": LEVELS[rule.level], "says": rule.text,
-        "holds": " ".join((rule.hits.__doc__ or "").split()), "reads": ", ".join(rule.reads), "why": rule.reason,
-        "next": rule.step, "not after": ", ".join(rule.unless), "guide": f"docs/{rule.guide}" if rule.guide else "",
+        "code": rule.code, "level": LEVELS[rule.level], "says": plain(rule.text),
+        "holds": " ".join((rule.hits.__doc__ or "").split()), "reads": ", ".join(rule.reads), "why": plain(rule.reason),
+        "next": plain(rule.step), "guide": f"docs/{rule.guide}" if rule.guide else "",
     }  # fmt: skip
     return {name: text for name, text in found.items() if text}
+
+
+def plain(template: str) -> str:
+    """A template as people read it: ``…`` for its numbers and names.
+
+    >>> plain("the valve floats: {value} above its path[ {at}]")
+    'the valve floats: … above its path …'
+    """
+    text = re.sub(r"\{[^}]*\}", "…", template.replace("{case}", "CASE"))
+    return re.sub(r"…(,? ?…)+", "…", re.sub(r"[][]", "", text)).removeprefix("…: ")

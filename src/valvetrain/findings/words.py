@@ -58,7 +58,7 @@ UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
     "si": {
         "length": (Unit("µm", 1e-6, 0.0995e-3), Unit("mm", 1e-3)),
         "force": (Unit("N", 1, 1e4), Unit("kN", 1e3)),
-        "time": (Unit("ms", 1e-3, 1), Unit("s", 1)),
+        "time": (Unit("µs", 1e-6, 0.0995e-3), Unit("ms", 1e-3, 1), Unit("s", 1)),
         "pressure": (Unit("MPa", 1e6),),
         "stiffness": (Unit("N/mm", 1e3),),
         "energy": (Unit("mJ", 1e-3, 1), Unit("J", 1)),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from valvetrain.errors import InputError
@@ -100,6 +101,12 @@ def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference
         raise InputError(
             f"run A is of {texts[0]} rpm and run B of {texts[1]} rpm; compare runs at the same engine speeds"
         )
+    own, label = (
+        {row.get("label", "") for row in run.answer.get("runs", ())} for run in (one, other)
+    )
+    if len(own) == len(label) == 1:  # of one variant each, whatever it is called
+        text = json.dumps(other.answer).replace(json.dumps(*label), json.dumps(*own))
+        other = replace(other, answer=json.loads(text))
     first, second = dict(answer_numbers(one.answer)), dict(answer_numbers(other.answer))
     forces = [any(name.endswith(FORCE) for name, _ in numbers) for numbers in (first, second)]
     cut_offs = [cut_off_of(run) for run in (one, other)]

@@ -36,9 +36,6 @@ from valvetrain.solution.atomic import digest, write_bytes, write_text
 _CHECKSUM = "checksum"
 #: Entry of ``run.json`` with what its names mean where that has changed, and the name that it is about.
 DEFINITIONS, FORCE = "definitions", "peak_spring_force"
-#: Quantities that represent a run in a list: the first that it has, the largest value where it has
-#: several.
-HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
 
 
 class Measured(BaseModel):
@@ -165,7 +162,7 @@ class SavedRun:
     @property
     def state(self) -> str:
         """How the run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
-        if self.answer.get("completed"):
+        if self.answer.get("completed", True):
             return "completed"
         statuses = (one.get("status") for one in self.answer.get("runs", ()))
         codes = [status.get("code") for status in statuses if isinstance(status, dict)]
@@ -181,20 +178,6 @@ class SavedRun:
     def command_line(self) -> str:
         """The command that made it, for a shell; empty where it was not stored."""
         return shlex.join(self.answer.get("command_line", ()))
-
-    @property
-    def headline(self) -> dict[str, Any] | None:
-        """The number of :data:`HEADLINES` that represents the run: ``quantity``, ``value`` and
-        ``unit`` (SI), or None.
-        """
-        answer = self.answer
-        tables = [one.get("quantities", {}) for one in answer.get("runs", ())]
-        tables += [answer.get("quantities", {}), *answer.get("quantities_by_label", {}).values()]
-        for name in HEADLINES:
-            rows = (table[name] for table in tables if name in table)
-            if numbers := [row for row in rows if row.get("value") is not None]:
-                return {"quantity": name, **max(numbers, key=lambda row: row["value"])}
-        return None
 
 
 def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any]) -> Inputs:

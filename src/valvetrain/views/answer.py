@@ -64,9 +64,8 @@ class Answer(ShownStudy):
 
     @cached_property
     def lines(self) -> list[Line]:
-        """The rows of the first table; next to a table of models those that are in doubt."""
-        rows = first_rows(self.facts, self.findings, self.words)
-        return rows if self.models is None else [one for one in rows if one.mark in ("bad", "warn")]
+        """The rows of the first table; none next to a table of models."""
+        return [] if self.models else first_rows(self.facts, self.findings, self.words)
 
     @property
     def headings(self) -> list[str]:

@@ -50,19 +50,14 @@ class BranchesAnswer(ShownByRules):
 
     @property
     def lines(self) -> list[Line]:
-        """Each kind of motion with its speeds, and how large the quantity is there."""
-        rows, quantity = list[Line](), self.branches.quantity
-        alike = self.facts.alike  # then what repels does not matter either
-        for motion in sorted(
-            {one.motion for one in self.branches.points if not (alike and one.repels)}
-        ):
-            values = [v for one in self.branches.points if one.motion == motion for v in one.values if math.isfinite(v)]  # fmt: skip
-            ends = (Amount(quantity, end(values)) for end in (min, max)) if values else ()
+        """Each kind of motion with its speeds, and how large the quantity is there; one row where revolutions are alike."""
+        rows, shown = list[Line](), self.facts.shown
+        for motion in sorted({one.motion for one in shown.points}):
+            values = [v for one in shown.points if one.motion == motion for v in one.values if math.isfinite(v)]  # fmt: skip
+            ends = (Amount(shown.quantity, end(values)) for end in (min, max)) if values else ()
             called = CALLED.get(motion) or CALLED.get(motion.split()[0], motion)
-            if alike and motion in ("chaotic", "irregular"):
-                called = "alike, not exactly"
             cells = (
-                f"{spans_text(self.branches.ranges(motion))} rpm",
+                f"{spans_text(shown.ranges(motion))} rpm",
                 self.words.span(*ends) if values else "",
             )
             rows.append(Line(called.format(motion.split()[-1]), cells))
@@ -87,7 +82,7 @@ class BranchesAnswer(ShownByRules):
 
 def picture(facts: BranchFacts) -> go.Figure | None:
     """The quantity over engine speed: motions that repeat as lines, rising and falling, others as dots."""
-    branches = facts.branches
+    branches = facts.shown
     shown = definition_of(branches.quantity).shown_unit
     factor = 1 / unit_factor(shown)
     fig = go.Figure()

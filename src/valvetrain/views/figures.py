@@ -99,10 +99,11 @@ def control(facts: Facts) -> go.Figure | None:
             x=at, y=1 - 2 * WORD, yref="y domain", text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1,
         )  # fmt: skip
     least = facts.least_angle(run, "cam_contact_force")
-    if least is not None and not facts.losses(run):
-        low = run.quantities.get("minimum_cam_contact_force", math.nan)
+    low = facts.amount(run, "minimum_cam_contact_force")
+    if least is not None and low is not None and not facts.losses(run):
+        text = f"least {Words(brief=True).amount(low)}"
         fig.add_trace(go.Scatter(
-            x=[math.degrees(least.value)], y=[low], mode="markers+text", text=[f"least {low:.0f} N"], name="least",
+            x=[math.degrees(least.value)], y=[low.value], mode="markers+text", text=[text], name="least",
             textposition="top center", showlegend=False, textfont={"color": BAD}, marker={"color": BAD, "size": 8},
             hoverinfo="skip",
         ), 1, 1)  # fmt: skip

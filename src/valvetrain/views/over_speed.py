@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import cycle
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,8 +13,10 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_measured import LIMITED, limit_of
+from valvetrain.findings.rules_sweep import stress_of
 from valvetrain.findings.words import NOTHING, RPM
 from valvetrain.solution.critical import NARROW
+from valvetrain.solution.result import Solution
 from valvetrain.units import to_unit
 from valvetrain.units.reader import shown_system
 from valvetrain.views.style import (
@@ -249,18 +253,33 @@ def spin(facts: Facts) -> go.Figure | None:
 
 def forces(facts: Facts) -> go.Figure | None:
     """Largest and least force on the retainer over engine speed, of springs alone."""
-    if facts.train or len(facts.study.engine_speeds) < 2:
+    if facts.train:
         return None
+    return _ends(facts, "N", lambda run, end: facts.value(run, f"{end}_retainer_force"))
+
+
+def stresses(facts: Facts) -> go.Figure | None:
+    """Largest and least stress of the wire over engine speed."""
+    return _ends(facts, "MPa", lambda run, end: stress_of(facts, run, f"{end}_shear_stress"))
+
+
+def _ends(facts: Facts, unit: str, value: Callable[[Solution, str], float]) -> go.Figure | None:
+    """Two curves of each label over engine speed, of a value (SI) by run and by end, ``peak`` or ``minimum``."""
     fig = go.Figure()
     for label, dash in zip(
-        facts.study.labels, ("solid", "dot", "dash", "dashdot") * 9, strict=False
+        facts.study.labels, cycle(("solid", "dot", "dash", "dashdot")), strict=False
     ):
-        fig.add_trace(_curve(facts, label, "peak_retainer_force", f"largest, {label}", LEAD, dash))
-        fig.add_trace(
-            _curve(facts, label, "minimum_retainer_force", f"least, {label}", SECOND, dash)
-        )
+        runs = facts.of_label(label)
+        at = [run.engine_speed / RPM for run in runs]
+        for word, end, colour in (("largest", "peak", LEAD), ("least", "minimum", SECOND)):
+            values = to_unit(np.array([value(run, end) for run in runs]), unit)
+            if len(runs) > 1 and np.isfinite(values).any():
+                trace = line(at, values, f"{word}, {label}", colour, dash)
+                fig.add_trace(trace.update(mode="lines+markers", marker={"size": 4}))
+    if not fig.data:
+        return None
     red_line(fig, facts.red_line / RPM)
-    return styled(fig, "engine speed, rpm", ("N",), 430).update_xaxes(tickformat="d")
+    return styled(fig, "engine speed, rpm", (unit,), 430).update_xaxes(tickformat="d")
 
 
 def order_map(facts: Facts) -> go.Figure | None:
@@ -296,6 +315,11 @@ SPEEDS_FIGURE = FigureSpec(
 )
 SPIN = FigureSpec("Bounce and loft over engine speed", "dotted: limits", spin)
 FORCES = FigureSpec("Forces over engine speed", "below 10 kHz", forces)
+STRESSES = FigureSpec(
+    "Stress of the wire over engine speed",
+    "shear, by the force on the seat where the wire is not computed",
+    stresses,
+)
 ORDER_MAP = FigureSpec(
     "Cam orders of surge over engine speed", "dashed: the surge frequency of the spring", order_map
 )

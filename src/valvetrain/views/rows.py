@@ -20,6 +20,7 @@ from valvetrain.findings.rules_sweep import (
     SURGE,
     gain_text,
     gains,
+    largest_stress,
     most_surge,
     pair,
     reached,
@@ -46,8 +47,8 @@ from valvetrain.views.table import Line
 GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
 #: Rows that say nothing of a difference between two springs.
 NO_DIFFERENCE = ("most at", "valve open", "lift lost", "open time lost")
-#: Runs that are columns of the first table, at most.
-COLUMNS = 4
+#: Runs that are columns of the first table, at most, and of a search over engine speed.
+COLUMNS, SEARCHED = 4, 3
 
 
 class Limit(NamedTuple):
@@ -124,16 +125,18 @@ ROWS = (
         limit=Limit("wound_least_clearance", NEAR_BIND, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{outer_minimum_shear_stress..outer_peak_shear_stress} outer",
         "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
-        "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
-    Row("inner wire, shear", ("{inner_minimum_shear_stress..inner_peak_shear_stress}",), "least to most"),
+        limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
+    Row("inner wire, shear", ("{inner_minimum_shear_stress..inner_peak_shear_stress}",)),
+    Row("lost to flex", ("[{lift_loss_displacement:2}][, {valve_1_mm_lost_crank_angle_range:2}]",), of="train", units="si"),
+    Row("lost to flex", ("[{lift_loss_displacement:2}][, {valve_50_thou_lost_crank_angle_range:2}]",), of="train", units="imperial"),
+    Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
+)  # fmt: skip
+#: Rows of one or two runs alone: what hardly changes over engine speed.
+DETAILS = (
     Row("valve open", ("{valve_1_mm_open_crank_angle_range}",), "above 1 mm of valve lift", "train", units="si"),
     Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train", units="imperial"),
-    Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
-    Row("open time lost", ("[{valve_1_mm_lost_crank_angle_range:2}]",), "to flex", "train", units="si"),
-    Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train", units="imperial"),
-    Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
     Row("first mode", ("{surge_frequency}",), "of the wire at rest", "spring"),
-    Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
+    Row("time step", ("{time_step_duration}",), "stable, starts from static equilibrium"),
 )  # fmt: skip
 
 
@@ -163,7 +166,8 @@ def columns(facts: Facts, findings: Findings) -> list[Solution]:
     speeds = sorted(speed for speed, count in counted.items() if count >= len(labels))
     if not speeds:
         return runs[:COLUMNS]
-    count = 1 if pair(facts) else max(COLUMNS // len(labels), 1)
+    most = SEARCHED if facts.searched else COLUMNS
+    count = 1 if pair(facts) else max(most // len(labels), 1)
     even = [speeds[int(place)] for place in np.linspace(0, len(speeds) - 1, count).round()]
     lost = [one.value for one in numbers if one.quantity == SPEED and one.level != "notes"]
     begin = [speed for one in lost for speed in speeds if speed >= (one or 0.0)][:1]
@@ -209,7 +213,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     speeds = {run.engine_speed for run in runs}
     imperial = words.units == "imperial" or POUNDS.search(facts.study.record.text)
     of, units = ("", "train" if facts.train else "spring"), ("", "imperial" if imperial else "si")
-    for row in (*ROWS, *_added_rows()):
+    for row in (*ROWS, *(DETAILS if len(runs) < SEARCHED else ()), *_added_rows()):
         if row.of not in of or row.units not in units:
             continue
         if row.label in NO_DIFFERENCE and pair(facts):
@@ -248,7 +252,7 @@ def pair_lines(facts: Facts, runs: list[Solution], words: Words) -> list[Line]:
     )  # fmt: skip
     peak, amplitude = (
         tuple(words.amount(found[name]) if name in found else "" for name in sets)
-        for found in (stresses(facts, STRESS), stresses(facts, AMPLITUDE))
+        for found in (largest_stress(facts, STRESS), largest_stress(facts, AMPLITUDE))
     )
     endless = " or ".join(
         f"{words.amount(Amount(AMPLITUDE, (high - low) / 2))} {word}"

@@ -16,12 +16,12 @@ from valvetrain.findings.rules_saved import (
     name_of,
     value_text,
 )
-from valvetrain.findings.words import Amount, Words
+from valvetrain.findings.words import Amount
 from valvetrain.parameters.summary import number, percent, unit_text
 from valvetrain.runs.differences import ResultDifference, RunDifferences
 from valvetrain.runs.run_folders import UnfinishedFolder
 from valvetrain.runs.saved_runs import SavedRun
-from valvetrain.solution.definition import is_defined, label_of
+from valvetrain.solution.definition import is_defined
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.table import Line, TextTable
 
@@ -51,7 +51,7 @@ class SavedAnswer(ShownByRules):
     @property
     def headings(self) -> list[str]:
         """Columns of the first table."""
-        return ["digest", "asked", "models", "rpm"]
+        return ["digest", "asked", "rpm"]
 
     @cached_property
     def lines(self) -> list[Line]:
@@ -59,8 +59,8 @@ class SavedAnswer(ShownByRules):
         both: list[SavedRun | UnfinishedFolder] = [*self.listed.runs, *self.listed.unfinished]
         both.sort(key=lambda one: one.created_at, reverse=True)
         return [
-            _finished(one, self.words) if isinstance(one, SavedRun)
-            else Line(_label(one), ("", "", "", ""), "" if one.living else "warn",
+            _finished(one) if isinstance(one, SavedRun)
+            else Line(_label(one), ("", "", ""), "" if one.living else "warn",
                       f"{'in progress' if one.living else 'killed'} after {count_text(one.finished, 'run')}")
             for one in both[:ROWS]
         ]  # fmt: skip
@@ -70,20 +70,16 @@ def _label(one: SavedRun | UnfinishedFolder) -> str:
     return f"{one.created_at[5:16].replace('T', ' ')} {one.case}"
 
 
-def _finished(run: SavedRun, words: Words) -> Line:
-    """A saved run with its verdict, or the number that stands for it."""
-    speeds, models, best = run.engine_speeds, run.models, run.headline
-    rpm = "" if not speeds else f"{speeds[0]:g}" + (f"–{speeds[-1]:g}" if len(speeds) > 1 else "")
+def _finished(run: SavedRun) -> Line:
+    """A saved run with its verdict."""
+    speeds = run.engine_speeds
+    rpm = "–".join(dict.fromkeys(f"{one:.0f}" for one in (*speeds[:1], *speeds[-1:])))
     text, mark = run.verdict.get("text", ""), run.verdict.get("mark", "")
-    if best and not text:
-        amount = words.amount(Amount(best["quantity"], best["value"]))
-        text = f"{label_of(best['quantity'])} {amount}"
     if run.state != "completed":
         text, mark = ": ".join(filter(None, (run.state, text))), "bad"
-    model = models[0] + (f" +{len(models) - 1}" if len(models) > 1 else "") if models else ""
     return Line(
         _label(run),
-        (run.digest, run.command, model, rpm),
+        (run.digest, run.command, rpm),
         mark if mark in (*MARKS.values(), "ok") else "",
         text,
     )
@@ -115,9 +111,11 @@ class DifferenceAnswer(ShownByRules):
     @cached_property
     def lines(self) -> list[Line]:
         """What decides, then other headline numbers that differ, then the largest changes."""
+        facts = self.facts
         return [
-            Line(_where(row, self.facts), self._cells(row), "", "within its error bar" * (abs(row.difference or 0.0) <= row.bar))
-            for row in [*dict.fromkeys((*self.facts.deciding, *self.facts.changed))][:ROWS]
+            Line(", ".join(filter(None, (name_of(row), facts.run_of(row)))), self._cells(row), "",
+                 "within its error bar" * (abs(row.difference or 0.0) <= row.bar))
+            for row in [*dict.fromkeys((*facts.deciding, *facts.changed))][:ROWS]
         ]  # fmt: skip
 
     def _cells(self, row: ResultDifference) -> tuple[str, str, str]:
@@ -139,9 +137,3 @@ class DifferenceAnswer(ShownByRules):
             "inputs": TextTable("Inputs that differ", ("input", "A", "B"), inputs),
             "results": TextTable("Results that differ", ("result", "run", *self.headings), results),
         }
-
-
-def _where(row: ResultDifference, facts: DifferenceFacts) -> str:
-    """A number with its run, where several runs have it."""
-    several = len({one.run for one in facts.changed if one.quantity == row.quantity}) > 1
-    return f"{name_of(row)}, {row.run}" if several and row.run else name_of(row)
