@@ -12,11 +12,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call
 from valvetrain.findings.facts import Facts
-<<<<<<< HEAD
-from valvetrain.findings.rules_sweep import AMPLITUDE, STRESS, stresses
-=======
-from valvetrain.findings.rules_sweep import STRESS, largest_stress
->>>>>>> fa6ed613 (First screens of runs, sweeps and saved runs: pair, angle and place of the hardest blow, time step, stress over speed, three columns of a sweep, rows beside the picture)
+from valvetrain.findings.rules_sweep import AMPLITUDE, STRESS, largest_stress
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import Words
 from valvetrain.parameters.loading import parse_case
@@ -86,11 +82,7 @@ def test_the_largest_stress_amplitude_and_surge_of_each_spring_are_rows(study):
     """Closed form: half the range of the force, of the run where that is largest, times the stress for each newton, by the
     difference between closed and largest lift at rest; the wire that bears more breaks first.
     """
-<<<<<<< HEAD
-    found, peaks = (stresses(Facts(study), name) for name in (AMPLITUDE, STRESS))
-=======
-    found, peaks = (largest_stress(Facts(study), name) for name in (STRESS, "peak_shear_stress"))
->>>>>>> fa6ed613 (First screens of runs, sweeps and saved runs: pair, angle and place of the hardest blow, time step, stress over speed, three columns of a sweep, rows beside the picture)
+    found, peaks = (largest_stress(Facts(study), name) for name in (AMPLITUDE, STRESS))
     for name in ("soft", "stiff"):
         numbers = [one.quantities for one in study.solutions if one.spring_set == name]
         ranges = [one["peak_spring_force"] - one["minimum_spring_force"] for one in numbers]
@@ -105,14 +97,8 @@ def test_the_largest_stress_amplitude_and_surge_of_each_spring_are_rows(study):
         rows["you have"]
     ) == 2
     one = replace(study, command="sweep")
-<<<<<<< HEAD
-    assert not stresses(Facts(one), AMPLITUDE)
+    assert not largest_stress(Facts(one), AMPLITUDE)
     assert "in control" not in {row.label for row in Answer(one).lines}
-=======
-    assert not largest_stress(Facts(one), STRESS) and "in control" not in {
-        row.label for row in Answer(one).lines
-    }
->>>>>>> fa6ed613 (First screens of runs, sweeps and saved runs: pair, angle and place of the hardest blow, time step, stress over speed, three columns of a sweep, rows beside the picture)
 
 
 def test_the_next_step_of_two_springs_names_both(study, cards):

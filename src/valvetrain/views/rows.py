@@ -24,7 +24,6 @@ from valvetrain.findings.rules_sweep import (
     most_surge,
     pair,
     reached,
-    stresses,
 )
 from valvetrain.findings.rules_train import FLOAT, NEAR_PISTON, hardest
 from valvetrain.findings.words import (
@@ -46,7 +45,7 @@ from valvetrain.views.table import Line
 #: Marks by falling gravity.
 GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
 #: Rows that say nothing of a difference between two springs.
-NO_DIFFERENCE = ("most at", "valve open", "lift lost", "open time lost")
+NO_DIFFERENCE = ("most at", "valve open", "lost to flex")
 #: Runs that are columns of the first table, at most, and of a search over engine speed.
 COLUMNS, SEARCHED = 4, 3
 
