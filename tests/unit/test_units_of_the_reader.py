@@ -36,7 +36,7 @@ def imperial():
     request_units("imperial")
     with for_reader():
         yield
-    request_units("si")
+    request_units("")
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_nothing_is_converted_outside_of_what_a_reader_sees():
             assert definition_of("peak_spring_force").shown_unit == "lbf"
         assert definition_of("peak_spring_force").shown_unit == "N"
     finally:
-        request_units("si")
+        request_units("")
     with for_reader():
         assert amount(250.0, "N") == "250 N"
     with pytest.raises(InputError, match="use si or imperial"):
@@ -132,17 +132,23 @@ def test_a_map_of_forces_and_a_power_are_in_units_of_the_reader(imperial):
     assert Words("imperial").amount(Amount("mean_cam_power", 74.569987)) == "0.1 hp"
 
 
-def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
-    """Contract: the flag or VALVETRAIN_UNITS; JSON stays SI, its sentence too."""
-    path = tmp_path / "v8.toml"
+def test_check_in_units_of_the_case_of_the_flag_and_of_the_environment(tmp_path, monkeypatch):
+    """Contract: as the case is written, or by the flag or VALVETRAIN_UNITS; JSON stays SI, its sentence too."""
+    path, metric = tmp_path / "v8.toml", tmp_path / "metric.toml"
     path.write_text(template_text("pushrod"), encoding="utf-8")
-    flag = CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stdout
-    plain = CliRunner().invoke(app, ["check", str(path)]).stdout
-    assert "400 lbf/in" in flag and "0.5 thou/deg" in flag and "lbf" not in plain
+    metric.write_text(template_text("bucket"), encoding="utf-8")
+
+    def check(*words):
+        return CliRunner().invoke(app, ["check", *map(str, words)])
+
+    plain, in_newton = check(path).stdout, check(path, "--units", "si").stdout
+    assert "400 lbf/in" in plain and "0.5 thou/deg" in plain and "lbf" not in in_newton
+    assert "--units" not in plain and "--units si" in in_newton
+    assert "lbf" not in check(metric).stdout
+    assert "lbf" in check(metric, "--units", "imperial").stdout
     monkeypatch.setenv("VALVETRAIN_UNITS", "imperial")
-    assert CliRunner().invoke(app, ["check", str(path)]).stdout == flag
-    as_json = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)
+    assert "lbf" in check(metric).stdout
+    as_json = json.loads(check(path, "--json").stdout)
     assert as_json["quantities"]["card_rate"]["unit"] == "N/m"
     assert as_json["findings"][0]["fields"]["left"]["value"]["unit"] == "m"
-    wrong = CliRunner().invoke(app, ["check", str(path), "--units", "stones"])
-    assert wrong.exit_code == 2
+    assert check(path, "--units", "stones").exit_code == 2

@@ -64,13 +64,14 @@ def read_workers(value: int | None, dask: str = "") -> int:
 
 
 def choose_case(name: str, settings: Sequence[str] | None = None) -> Case:
-    """Load the case ``name`` with ``settings`` (``key.path=value``).
+    """Load the case ``name`` with ``settings`` (``key.path=value``), in whose units answers are printed.
 
     A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
     placed at its option, not at a line of the file.
     """
     from valvetrain.parameters.loading import load_case
     from valvetrain.parameters.overrides import read_assignment
+    from valvetrain.units.reader import follow_case
 
     changes: dict[str, Any] = {}
     options: dict[str, str] = {}
@@ -78,9 +79,11 @@ def choose_case(name: str, settings: Sequence[str] | None = None) -> Case:
         path, value = read_assignment(text, "--set")
         changes[path], options[path] = value, f"--set {path}"
     try:
-        return load_case(_source_of(name), changes)
+        case = load_case(_source_of(name), changes)
     except InputError as error:
         raise _placed(error, options) from None
+    follow_case(case.text)
+    return case
 
 
 def folder_of(name: str) -> Path:

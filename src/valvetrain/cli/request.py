@@ -72,10 +72,10 @@ class CommandLine(AnswerLine):
 
     units: str = option(
         read_text,
-        "Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi). Files and --json stay SI.",
+        "Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi); default: as the case is written. Files and --json stay SI.",
         "--units",
         "SYSTEM",
-        default="si",
+        default="",
     )
     open_page: bool = option(
         read_switch, "Open the report page in a browser.", "--open", default=False
@@ -174,7 +174,7 @@ def command_of(
 
         typed = line.read({name: given.pop(name) for name in options_of(line)}, flags=True)
         request_units(typed.units)
-        at_end(lambda: request_units("si"))
+        at_end(lambda: request_units(""))
         request, folder = typed.request(model, {**given, **always})
         if isinstance(request, ParallelRequest):
             workers = read_workers(request.workers, getattr(typed, "dask", ""))

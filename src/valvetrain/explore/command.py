@@ -66,11 +66,13 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     from valvetrain.explore.files import case_words
     from valvetrain.runs.run_folders import ROOT, safe_name
     from valvetrain.session import call_case
+    from valvetrain.units.reader import follow_case
     from valvetrain.views.results import answer_of
 
     folder = request.output or ROOT / request.command / safe_name(Path(request.file).stem)
     request = replace(request, output=folder / POINTS)
     plan = request.plan  # what is wrong with the file is said first
+    follow_case(plan.case.text)
     stored = f"finished points are stored in '{folder / POINTS}'"
 
     def announce(text: str, seconds: float) -> None:

@@ -21,12 +21,12 @@ from valvetrain.runs.train_runs import preloads, prepare_trains, train_point
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.part_ranking import PartChange, PartRanking
-from valvetrain.solution.provenance import POUNDS
 from valvetrain.solution.status import PartialFailures, reason
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import to_unit
+from valvetrain.units.reader import system_of
 
 TENTH = 0.1
 #: Titanium over steel by density, and the share of a steel retainer in what moves with the valve, which is assumed.
@@ -98,7 +98,7 @@ def parts_of(
     ['valve 10 % lighter', 'titanium retainer']
     """
     less, more = 1 - TENTH, 1 + TENTH
-    units = ("lbf", "in") if POUNDS.search(text) else ("N", "mm")
+    units = ("lbf", "in") if system_of(text) == "imperial" else ("N", "mm")
 
     def part(name: str, price: str, table: str, **values: tuple[float, str]) -> Part:
         """The part with values (SI) of a table of the train in units of the case."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -109,10 +108,6 @@ class PublishedValue:
     used_for: str = ""
     doubt: str = ""
     reading: str = ""
-
-
-#: A value of a case file in pounds: its owner thinks in them.
-POUNDS = re.compile(r"""=\s*(\{\s*value\s*=\s*)?["'][^"']*\blbf""")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from valvetrain.units.text import dimension_of, unit_factor
 
 #: Systems of units that a reader may request.
 SYSTEMS = ("si", "imperial")
+#: A value of a case file in pounds: its owner thinks in them.
+_POUNDS = re.compile(r"""=\s*(\{\s*value\s*=\s*)?["'][^"']*\blbf""")
 #: Dimension -> unit of readers of inches and pounds; masses of valve gear are weighed in grams there too.
 IMPERIAL = {
     "length": "in", "force": "lbf", "stiffness": "lbf/in", "pressure": "ksi", "modulus": "ksi", "moment": "lbf in", "energy": "lbf in",
@@ -27,30 +29,52 @@ _METRIC = re.compile(
 )
 #: Units as pages print them -> as they are read.
 _WRITTEN = {"m/s2": "m/s^2", "µm/deg²": "um/deg^2"}
-_REQUESTED: ContextVar[str] = ContextVar("requested_units", default="si")
+_REQUESTED: ContextVar[str] = ContextVar("requested_units", default="")
+_OF_CASE: ContextVar[str] = ContextVar("units_of_case", default="si")
 _SHOWN: ContextVar[str] = ContextVar("shown_units", default="si")
 
 
 def request_units(system: str) -> None:
-    """Choose the system of what :func:`for_reader` encloses. Raises :class:`InputError` for an unknown
-    one.
+    """Choose the system of what :func:`for_reader` encloses; empty: that of the case, SI until :func:`follow_case`.
+
+    Raises :class:`InputError` for an unknown one.
 
     >>> request_units("furlongs")
     Traceback (most recent call last):
     ...
     valvetrain.errors.InputError: --units: units 'furlongs' are unknown; use si or imperial
     """
-    if system not in SYSTEMS:
+    if system not in ("", *SYSTEMS):
         raise InputError(
             f"units '{system[:20]}' are unknown; use {' or '.join(SYSTEMS)}", "--units"
         )
     _REQUESTED.set(system)
+    _OF_CASE.set("si")
+
+
+def follow_case(text: str) -> None:
+    """Show a case file with this text in its own units where the reader requests none."""
+    _OF_CASE.set(system_of(text))
+
+
+def system_of(text: str) -> str:
+    """The system in which the values of a case file are given.
+
+    >>> system_of('preload = "118 lbf"'), system_of('preload = "524 N"')
+    ('imperial', 'si')
+    """
+    return "imperial" if _POUNDS.search(text) else "si"
+
+
+def requested_system() -> str:
+    """The system that the reader requests, empty where none is."""
+    return _REQUESTED.get()
 
 
 @contextmanager
 def for_reader() -> Iterator[None]:
-    """What is formatted within is in the units requested."""
-    before = _SHOWN.set(_REQUESTED.get())
+    """What is formatted within is in the units requested, or in those of the case."""
+    before = _SHOWN.set(_REQUESTED.get() or _OF_CASE.get())
     try:
         yield
     finally:
@@ -69,7 +93,7 @@ def reader_unit(unit: str) -> str:
     >>> with for_reader():
     ...     reader_unit("N/mm"), reader_unit("deg"), reader_unit("g")
     ('lbf/in', 'deg', 'g')
-    >>> request_units("si")
+    >>> request_units("")
     """
     if shown_system() == "si" or unit in ("", "thou"):
         return unit
@@ -92,7 +116,7 @@ def reader_text(text: str) -> str:
     >>> with for_reader():
     ...     reader_text("rate 41.4 N/mm, 72 N at 6593 rpm (1.33 m/s), 537 to 611 N")
     'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (52.36 in/s), 120.7 to 137.4 lbf'
-    >>> request_units("si")
+    >>> request_units("")
     """
     if _SHOWN.get() == "si":
         return text

@@ -20,7 +20,6 @@ from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.solution.definition import is_defined, label_of
-from valvetrain.solution.provenance import POUNDS
 from valvetrain.solution.static import RestPoint
 from valvetrain.views.at_rest import TO_BIND, bind_line, wound_text
 from valvetrain.views.motion.still import case_picture
@@ -107,8 +106,7 @@ class CaseAnswer(ShownByRules):
         )
         ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
         texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
-        imperial = self.words.units == "imperial" or POUNDS.search(case.text)
-        height = "50_thou" if imperial else "1_mm"
+        height = "50_thou" if self.words.units == "imperial" else "1_mm"
         valve, lobe = (
             amounts.get(f"{what}_{height}_open_crank_angle_range", "")
             for what in ("rigid_valve", "lobe")

@@ -37,7 +37,6 @@ from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.critical import NEAR_BIND
 from valvetrain.solution.definition import tables
-from valvetrain.solution.provenance import POUNDS
 from valvetrain.solution.result import Solution
 from valvetrain.views.at_rest import rest_headings, rest_lines
 from valvetrain.views.table import Line
@@ -84,7 +83,7 @@ class Row:
     note : a few words behind it, where no finding has any
     of : what has the row, ``train``, ``spring`` or both (empty)
     limit : what it is checked against; a row without one has no tick of its own
-    units : the system of the reader or of the case that it is for, ``si``, ``imperial`` or both (empty)
+    units : the system of the reader that it is for, ``si``, ``imperial`` or both (empty)
     """
 
     label: str
@@ -210,8 +209,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     if pair(facts):
         lines += pair_lines(facts, runs, words)
     speeds = {run.engine_speed for run in runs}
-    imperial = words.units == "imperial" or POUNDS.search(facts.study.record.text)
-    of, units = ("", "train" if facts.train else "spring"), ("", "imperial" if imperial else "si")
+    of, units = ("", "train" if facts.train else "spring"), ("", words.units)
     for row in (*ROWS, *(DETAILS if len(runs) < SEARCHED else ()), *_added_rows()):
         if row.of not in of or row.units not in units:
             continue

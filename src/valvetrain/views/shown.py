@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, cast
 from valvetrain.findings.engine import Finding, Findings, Rule, judge
 from valvetrain.findings.words import Words
 from valvetrain.session import called_case
-from valvetrain.units.reader import shown_system
+from valvetrain.units.reader import requested_system, shown_system
 from valvetrain.views.table import Line, TextTable
 
 if TYPE_CHECKING:  # a list of files loads none of these
@@ -23,11 +23,8 @@ if TYPE_CHECKING:  # a list of files loads none of these
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
 SAID = ("M", "H", "W", "F", "N", "Q", "J", "Y")
-#: How next steps begin that take ``--units``.
-WITH_UNITS = tuple(f"valvetrain {one} " for one in (
-    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card", "scan", "film",
-    "rig", "compare-test", "study",
-))  # fmt: skip
+#: Commands that take no ``--units``.
+WITHOUT_UNITS = ("new", "cases", "runs", "compare-runs", "findings", "quantities", "serve")
 
 
 class Shown(ABC):
@@ -153,16 +150,16 @@ class Shown(ABC):
         return self._in_units(next((one for one in steps if one.startswith("valvetrain ")), ""))
 
     def _in_units(self, step: str) -> str:
-        """The command in the units of this answer, of several commands the last one."""
-        words: Any = getattr(self, "words", None)
-        last = step.rpartition("&& ")[2]
-        keeps = words is not None and words.units != "si" and last.startswith(WITH_UNITS)
-        return f"{step} --units {words.units}" if keeps else step
+        """The command in the units that were requested, of several commands the last one."""
+        program, _, command = step.rpartition("&& ")[2].partition(" ")
+        if program != "valvetrain" or command.split()[0] in WITHOUT_UNITS:
+            return step
+        return step + f" --units {requested_system()}" * bool(requested_system())
 
     def for_reader(self) -> Shown:
         """The same in the units that the reader asked for, where it is in SI."""
         words = getattr(self, "words", None)
-        if words is None or words.units != "si" or shown_system() == "si":
+        if words is None or shown_system() == "si":
             return self
         return cast("Shown", replace(cast("Any", self), words=replace(words, units=shown_system())))
 
