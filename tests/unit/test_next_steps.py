@@ -11,6 +11,7 @@ from typer.main import get_command
 
 import valvetrain as vt
 from valvetrain.cli.main import app
+from valvetrain.findings.engine import Finding, Findings
 from valvetrain.findings.table import every_rule
 from valvetrain.findings.words import Words, fields_of
 from valvetrain.views.answer import Answer
@@ -47,3 +48,15 @@ def test_a_next_step_stands_on_one_line_of_any_terminal():
     assert len(answer.next_step) > 40 and any(
         line.rstrip().endswith(answer.next_step) for line in lines
     )
+
+
+@pytest.mark.parametrize(("newton", "said"), [(863e3, "863 kN"), (5.2e-3, "5.2 mN")])
+def test_a_verdict_in_capitals_keeps_its_units(newton, said):
+    """Contract: a meganewton is no millinewton; numbers and units are read as they are written."""
+    study = vt.simulate("job-t", "2000 rpm", models=["massless"], workers=1)
+    answer = Answer(study)
+    verdict = Finding("C101", "decides", "bad", f"force {said}: too much")
+    printed = io.StringIO()
+    vars(answer)["findings"] = Findings((verdict,))
+    Console(width=80, file=printed).print(screen(answer), crop=False)
+    assert f"FORCE {said}" in printed.getvalue()

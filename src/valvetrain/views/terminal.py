@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
 SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
+#: Letters of units that capitals would spoil: kN, MPa, mJ, µm.
+UNIT_LETTERS = {*"NPJWµ"}
 #: Findings behind the rows, and width of the bars of control.
 BULLETS, WIDTH = 6, 40
 
@@ -32,7 +34,8 @@ def screen(answer: Shown, page: str = "", folder: str = "") -> Iterator[Renderab
     told = set[str]()
     if answer.verdict is not None:
         fact, rest = answer.headline
-        yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
+        words = (word if {*word} & UNIT_LETTERS else word.upper() for word in fact.split(" "))
+        yield Text.assemble((" ".join(words), STYLE[answer.verdict.mark]), rest)
     if isinstance(answer, ShownStudy) and {"searched", "run-up"} & {*answer.facts.kinds}:
         from valvetrain.views.over_speed import bars, reach  # loads plotly
 
