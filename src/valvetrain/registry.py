@@ -100,7 +100,7 @@ BUILT_IN["answers"] = {
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
     "RigResult": "valvetrain.rig.answer:RigAnswer",
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
-    "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",
+    "Optimum": "valvetrain.explore.optimum_answer:OptimumAnswer",
     "StudyTable": "valvetrain.explore.study_answer:StudyAnswer",
     "MeasuredLift": "valvetrain.lift.answer:answer_of_stations",
     "SmoothedLift": "valvetrain.lift.answer:answer_of_law",

@@ -14,7 +14,7 @@ import valvetrain as vt
 from unit.test_optimise_command import LIGHT, light
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.optimum import Confirmed, Optimum
-from valvetrain.explore.optimum_answer import answer_of_search
+from valvetrain.explore.optimum_answer import OptimumAnswer
 from valvetrain.explore.optimum_rules import RULES
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -125,8 +125,8 @@ CASES = {
 @pytest.mark.parametrize("code", CASES)
 def test_a_rule_holds_in_one_result_and_not_in_the_other(code):
     holds, differs = CASES[code]
-    assert code in answer_of_search(holds()).findings.codes
-    assert code not in answer_of_search(differs()).findings.codes
+    assert code in OptimumAnswer(holds()).findings.codes
+    assert code not in OptimumAnswer(differs()).findings.codes
 
 
 def test_every_rule_is_tried():
@@ -135,7 +135,7 @@ def test_every_rule_is_tried():
 
 def test_the_verdict_has_the_numbers_of_case_and_best():
     found = lighter()
-    answer = answer_of_search(found, Path("out"))
+    answer = OptimumAnswer(found, Path("out"))
     fields = answer.verdict.fields
     assert fields["before"].value == found.case.objectives[0]
     assert fields["after"].value == found.best.trial.objectives[0]
@@ -146,5 +146,5 @@ def test_the_verdict_has_the_numbers_of_case_and_best():
 def test_a_missed_bound_is_named_with_what_is_missing():
     found = impossible()
     nearest = found.nearest
-    verdict = answer_of_search(found).verdict
+    verdict = OptimumAnswer(found).verdict
     assert verdict.fields["by"].value == pytest.approx(400e3 - float(nearest.constraints[0]))

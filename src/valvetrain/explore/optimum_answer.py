@@ -24,10 +24,8 @@ from valvetrain.explore.results import (
 )
 from valvetrain.explore.search import Trial
 from valvetrain.findings.engine import Mark
-from valvetrain.findings.words import Amount, Words, digits_text
-from valvetrain.session import called_case
+from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.atomic import write_text
-from valvetrain.units.reader import shown_system
 from valvetrain.views.json import uncertainty_object
 from valvetrain.views.style import LEAD, OK, OTHER, FigureSpec, panels, styled
 from valvetrain.views.table import Line, TextTable
@@ -193,24 +191,6 @@ class OptimumAnswer(ExploreAnswer):
 
 def _write_case(result: Optimum, design: Design, path: Path) -> Path:
     return write_text(path, case_text(result, design))
-
-
-def answer_of_search(result: Optimum, folder: Path | None = None) -> OptimumAnswer:
-    """What is shown of a search, in pounds and inches where a force was varied in pounds.
-
-    >>> import valvetrain as vt
-    >>> result = vt.optimise('''
-    ... case = "job-c"
-    ... vary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]
-    ... objective = [{ quantity = "solid_force", direction = "minimise" }]
-    ... search = { trials = 4, per_round = 2 }
-    ... ''', workers=1)
-    >>> answer_of_search(result).verdict.code[0]
-    'O'
-    """
-    pounds = any(one.unit == "lbf" for one in result.plan.varied)
-    words = Words("imperial" if pounds else shown_system(), case=called_case())
-    return OptimumAnswer(result, folder, words=words)
 
 
 def _designs(facts: SearchFacts) -> go.Figure | None:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:  # a list of files loads none of these
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
 SAID = ("M", "H", "W", "F", "N", "Q", "J", "Y")
-#: Commands that take no ``--units``.
-WITHOUT_UNITS = ("new", "cases", "runs", "compare-runs", "findings", "quantities", "serve")
+#: Commands of next steps that take no ``--units``.
+WITHOUT_UNITS = ("new", "cases", "compare-runs", "findings")
 
 
 class Shown(ABC):
