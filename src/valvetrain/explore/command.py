@@ -72,7 +72,7 @@ def _answer(request: FileRequest, line: CommandLine) -> None:
     folder = request.output or ROOT / request.command / safe_name(Path(request.file).stem)
     request = replace(request, output=folder / POINTS)
     plan = request.plan  # what is wrong with the file is said first
-    follow_case(request.text + (plan.case.text if plan.case else ""))
+    follow_case(request.text.text + getattr(plan.case, "text", ""))
     stored = f"finished points are stored in '{folder / POINTS}'"
 
     def announce(text: str, seconds: float) -> None:
