@@ -241,9 +241,8 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
     order = [one.varied for one in facts.effects(name)] or [table.plan.varied[facts.changing[0]]]
     wanted = [table.plan.varied[k] for k in facts.along or facts.changing]
     varied = next((one for one in order if one in wanted), wanted[0])
-    close = facts.clearance if facts.clearance != name else ""
-    x = _values(facts, close) if close else table.column(varied.name) * varied.shown(1.0)
-    fig, title = go.Figure(), _axis(close) if close else varied.axis_label
+    x = table.column(varied.name) * varied.shown(1.0)
+    fig, title = go.Figure(), varied.axis_label
     if facts.listed:
         x, title = np.repeat(1.0 + np.arange(len(facts.draws)), len(table.plan.runs)), "point"
     lines = facts.chosen and len(facts.along or facts.changing) == 1

@@ -25,7 +25,7 @@ STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "open_nominal
 #: What follows from the dimensions of a spring, its installing and the lift alone begins so.
 PUT_IN = ("preload", "installed_", "coil_bind_clearance", *BY_SIZE)
 #: What a spring has to press with anyway is asked of last: what goes wrong with it comes before.
-FORCES, CLEARANCE = ("peak_spring_force", "minimum_spring_force"), "coil_bind_clearance"
+FORCES = ("peak_spring_force", "minimum_spring_force")
 #: Spread over the size of the mean below which nothing varies.
 NO_SPREAD = 1e-9
 PERCENTILES = (5.0, 50.0, 95.0)
@@ -139,13 +139,6 @@ class StudyFacts(Subject):
             return stress, put_in(name), name not in self.limits, bare in FORCES
 
         return tuple(sorted(there, key=place) if self.chosen else there)
-
-    @property
-    def clearance(self) -> str:
-        """The clearance to coil bind where it is an output of a grid along one quantity that moves it; else empty."""
-        name = next((one for one in self.outputs if one.endswith(CLEARANCE)), "")
-        along = self.table.plan.sampler.word == "grid" and len(self.along) == 1
-        return name if name and along and np.ptp(self.worst(name)) > 0 else ""
 
     @property
     def limits(self) -> dict[str, tuple[float, ...]]:

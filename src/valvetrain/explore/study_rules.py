@@ -83,7 +83,6 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     place = "" if speed is None else f", at {speed_text(speed)}"
     return {
         "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
-        "clearance": facts.amount(facts.clearance, facts.worst(facts.clearance)[design]) if facts.clearance else "",
         "worst_of": f"worst of {count} runs{place}" if judged else "", "step": facts.command(design), "moved": facts.moved(),
     }  # fmt: skip
 
@@ -230,7 +229,7 @@ RULES = (
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][ at {clearance} of clearance][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
+         "[{value:4}][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
          mark="ok", unless=("J11", "J12", "J134")),
     Rule("J114", "warns", "{name} is worse there: {value:3}, {reference:3} with {other}", price,
          unless=("J111", "J12", "J134")),
