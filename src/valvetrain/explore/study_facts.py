@@ -16,7 +16,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.explore.table import StudyTable
 from valvetrain.findings.engine import Subject
-from valvetrain.findings.words import RPM, Amount, Phrase, Said
+from valvetrain.findings.words import RPM, Amount
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.solution.definition import definition_of
 
@@ -256,18 +256,6 @@ class StudyFacts(Subject):
                 one = replace(one, share=float(sobol[0].total[k]), low=low, high=high)
             made.append(one)
         return sorted(made, key=lambda one: -one.share)
-
-    def moved(self) -> Said:
-        """What moves the first output of several chosen quantities most, and by how much; empty of one quantity and of a list."""
-        chosen = [self.table.plan.varied[k] for k in self.along or self.changing]
-        effects = [one for one in self.effects(self.outputs[0]) if one.varied in chosen]
-        if len(effects) < 2 or not effects[0].rises:
-            return ""
-        most = Amount(self.outputs[0], abs(effects[0].change))
-        return Phrase(
-            "{leader} moves it most, by {by:2}",
-            {"leader": effects[0].varied.shown_name, "by": most},
-        )
 
     def worst_row(self, design: int) -> int:
         """The row of a design at the worst of its engine speeds and runs, by the first output."""

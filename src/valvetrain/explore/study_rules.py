@@ -83,7 +83,7 @@ def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
     place = "" if speed is None else f", at {speed_text(speed)}"
     return {
         "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
-        "worst_of": f"worst of {count} runs{place}" if judged else "", "step": facts.command(design), "moved": facts.moved(),
+        "worst_of": f"worst of {count} runs{place}" if judged else "", "step": facts.command(design),
     }  # fmt: skip
 
 
@@ -224,12 +224,12 @@ RULES = (
     Rule("J134", "decides", "no point is best by {name}", wide_bar, (), "the differences are within its error bar of {value:2}",
          "vary over wider ranges, or use a finer mesh", mark="warn", guide="uncertainty.md"),
     Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
-    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}[; {moved}]", "[{step}]", mark="",
+    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark="",
          unless=("J12", "J134")),
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
          "[{step}]", mark="ok", unless=("J11", "J12", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][, {end}][, {reference:4} with {other}][; {moved}][; {near} within 1 %][; {worst_of}]", "[{step}]",
+         "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]",
          mark="ok", unless=("J11", "J12", "J134")),
     Rule("J114", "warns", "{name} is worse there: {value:3}, {reference:3} with {other}", price,
          unless=("J111", "J12", "J134")),
