@@ -51,7 +51,7 @@ def test_a_case_that_has_not_run_opens_with_what_check_says(bench):
         )
         page.fill("#field-operation-red_line", "9500 rpm")
         page.keyboard.press("Enter")
-        short = page.locator(".newest strong", has_text="short of a fifth above inertia")
+        short = page.locator(".newest strong", has_text="short at")
         short.wait_for(timeout=60_000)
         page.get_by_role("button", name="Undo the last change").click()
         said.wait_for(timeout=60_000)

@@ -14,7 +14,7 @@ from valvetrain.errors import UnusualValueWarning
 from valvetrain.findings.facts import Facts
 from valvetrain.parameters.loading import parse_case
 from valvetrain.system.build import build, lift_law_of
-from valvetrain.views.figures import force, needed
+from valvetrain.views.figures import contacts, force, needed, worst_run
 
 #: Four valves of 250 cm3: bucket tappets on a cam of 14 mm, cards of cam and springs in crank degrees.
 BIKE = """
@@ -145,6 +145,17 @@ def test_both_springs_share_the_force_that_is_drawn(study):
     drawn = {one.name: one.y for one in force(Facts(study)).data}
     both = drawn["outer, 11000 rpm"] + drawn["inner, 11000 rpm"]
     assert both == pytest.approx(drawn["11000 rpm"], rel=1e-3)
+
+
+def test_the_torque_that_is_drawn_does_the_work_of_the_cam(study):
+    """Its integral over a turn is what contacts, parts and springs lose of energy in it."""
+    facts = Facts(study)
+    torque = next(one for one in contacts(facts).data if one.name == "cam torque")
+    lost = sum(
+        worst_run(facts).quantities[f"{where}_dissipated_energy"] for where in ("cycle", "spring")
+    )
+    turn = np.trapezoid(torque.y, np.radians(torque.x))
+    assert turn == pytest.approx(lost, rel=0.1)
 
 
 def test_a_bucket_asks_for_no_rocker_ratio_and_refuses_another_one():

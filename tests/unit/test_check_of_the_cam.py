@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import re
@@ -228,6 +229,26 @@ def test_the_page_of_a_case_shows_its_picture_and_the_set_in_use(tmp_path):
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert found["page"] == str(folder / "report.html") and "<svg" in page and data_of(page)
     assert [name for name in found["facts"] if name.startswith("springs")] == ["springs 'stock'"]
+
+
+@pytest.mark.parametrize(("speed", "code"), [(6000, "Q101"), (9500, "Q116")])
+def test_the_picture_marks_the_margin_of_the_verdict(tmp_path, speed, code):
+    """The line that marks the least margin is as long as seat load and seat load needed are apart."""
+    path = tmp_path / "v8.toml"
+    path.write_text(template_text("pushrod"), encoding="utf-8")
+    speeds = ("--set", f"operation.engine_speeds={speed} rpm")
+    found = checked(path, *speeds, "--output", str(tmp_path / "page"))
+    assert found["findings"][0]["code"] == code
+    page = (tmp_path / "page" / "report.html").read_text(encoding="utf-8")
+    drawn = data_of(page)["data-force"]["data"]
+    ends = next(one["y"] for one in drawn if one["name"] == "least margin")
+    marked = np.frombuffer(base64.b64decode(ends["bdata"]), ends["dtype"])
+    needed, have = (
+        found["quantities"][name]["value"]
+        for name in ("needed_open_spring_force", "open_spring_force")
+    )
+    assert (have < needed) is (code == "Q116")
+    assert float(np.ptp(marked)) == pytest.approx(abs(have - needed), rel=1e-4)
 
 
 def test_springs_that_are_short_at_the_highest_speed_are_not_ready(tmp_path):

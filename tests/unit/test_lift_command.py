@@ -18,6 +18,7 @@ from valvetrain.lift.band import lift_band_study
 from valvetrain.lift.files import case_with
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
+from valvetrain.views.page import data_of
 
 #: A polydyne-like lobe: 9 mm over 120 cam deg about 180.
 ANGLES = np.arange(90.0, 271.0)
@@ -218,3 +219,18 @@ def test_the_next_step_of_a_good_table_is_this_command_with_a_case(table):
     assert words[words.index("--noise") + 1] == "3 um" and words[-1].startswith("template:")
     again = json.loads(invoke(*words[1:], "--draws", "4", "--model", "massless", "--json").stdout)
     assert again["findings"][0]["code"] == "L210"
+
+
+def test_typed_events_are_drawn_and_go_on_as_an_engine(tmp_path, monkeypatch):
+    """By hand: 5 before top to 32.5 after bottom is 217.5 degrees about 103.75 after top."""
+    monkeypatch.chdir(tmp_path)
+    events = "IVO 5 before top, IVC 32.5 after bottom"
+    data = json.loads(invoke("lift", "--events", events, "--output", "page", "--json").stdout)
+    bar = data_of((tmp_path / "page/report.html").read_text(encoding="utf-8"))["data-events"]["data"]  # fmt: skip
+    assert bar[0]["text"] == ["-5°", "intake", "212.5°"] and len(bar) == 1
+    step = shlex.split(data["findings"][0]["step"])
+    assert step[step.index("--duration") + 1 :: 2] == ["217.5 deg", "103.75 deg"]
+    assert invoke(*step[1:]).exit_code == 0
+    again = json.loads(invoke("lift", "my-engine.toml", "--json").stdout)
+    assert again["timing"]["ivo_at_50_thou"]["value"] == pytest.approx(np.radians(5), abs=1e-5)
+    assert again["findings"][0]["step"] == "valvetrain run my-engine.toml"

@@ -16,12 +16,13 @@ from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import amount, number, value_text
 
 if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case, Operation
+    from valvetrain.parameters.case import Case
     from valvetrain.parameters.installed_spring import InstalledSpring
     from valvetrain.parameters.spring import SpringDefinition
     from valvetrain.parameters.train import TrainParameters
+    from valvetrain.quantities.kinematics import RigidTable
     from valvetrain.solution.static import RestPoint
-    from valvetrain.system.problem import Member, Problem
+    from valvetrain.system.problem import Problem
 
 #: Spring -> its states with the valve closed and at full lift, or why there are none.
 Loads = Mapping["InstalledSpring", "tuple[RestPoint, RestPoint] | str"]
@@ -192,6 +193,7 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     """
     from valvetrain.quantities.forces import bind_clearances
     from valvetrain.quantities.statics import design_quantities
+    from valvetrain.quantities.train_numbers import margin_quantities
     from valvetrain.quantities.valve_events import rigid_events
     from valvetrain.runs.prepared import largest_lift
 
@@ -215,22 +217,25 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
         gear = problem.members[0].gear
         events = {} if gear is None else rigid_events(gear.mechanism.kinematics)
         found |= {name: one for name, one in events.items() if name.endswith("_range")}
-        found |= _needed(problem.members[0], case.operation)
+        rigid = rigid_at_top(case, problem)
+        found |= {} if rigid is None else margin_quantities(rigid)
     return found | bind_clearances(springs, largest)
 
 
-def _needed(member: Member, operation: Operation) -> dict[str, float]:
-    """Margins of the springs at the red line, else at the highest engine speed of the case; empty where it names none."""
+def rigid_at_top(case: Case, problem: Problem | None) -> RigidTable | None:
+    """The train of a case with rigid parts at the red line, else at its highest engine speed; None where it names none."""
     from valvetrain.quantities.kinematics import rigid_table
-    from valvetrain.quantities.train_numbers import margin_quantities
     from valvetrain.springs.spec import spring_model
     from valvetrain.system.train_system import TrainSystem
 
-    top = operation.top_speed
-    system = replace(member, model=spring_model("massless")).system() if top else None
-    if member.gear is None or not isinstance(system, TrainSystem):
-        return {}
-    return margin_quantities(rigid_table(system, member.gear.parameters, top / 2))
+    top = case.operation.top_speed
+    member = None if problem is None or not top else problem.members[0]
+    if member is None or member.gear is None:
+        return None
+    system = replace(member, model=spring_model("massless")).system()
+    if not isinstance(system, TrainSystem):
+        return None
+    return rigid_table(system, member.gear.parameters, top / 2)
 
 
 def _split_loads(spring: InstalledSpring) -> list[tuple[str, str]]:

@@ -71,10 +71,10 @@ register_cases = command_without_case("cases", CasesLine, cases)
 
 def check(request: Check, line: SavedLine, folder: Path) -> None:
     """Check a case file: what is in doubt, its values as they were understood, or what is wrong with it, and
-    where. With --output a page with a picture to scale.
+    where. With --output a page with the spring force available and needed.
     """
     from valvetrain.cli.cam_facts import cam_facts, gear_of
-    from valvetrain.cli.case_facts import case_facts, case_quantities, spring_loads
+    from valvetrain.cli.case_facts import case_facts, case_quantities, rigid_at_top, spring_loads
     from valvetrain.cli.outcome import Outcome, deliver, plain_table
     from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
     from valvetrain.findings.engine import measured
@@ -100,16 +100,18 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
         chosen, quantities | cam, gear_of(problem), problem is not None, called_case()
     )
     law = None if chosen.lift_law is None else lift_law_of(chosen)
+    rigid = rigid_at_top(chosen, problem)
+
+    said = case_facts(chosen, loads)
+    named = {one.name: state for one, state in loads.items()}
 
     def answer() -> CaseAnswer:
-        said = case_facts(chosen, loads)
-        named = {one.name: state for one, state in loads.items()}
-        return CaseAnswer(facts, said, named, durations, law)
+        return CaseAnswer(facts, said, named, durations, law, rigid)
 
     data: dict[str, Any] = {
         "command": "check", "case": chosen.name, "title": chosen.title,
         "holds": [name for name, held in HELD.items() if getattr(chosen, held)],
-        "facts": dict(case_facts(chosen, loads)),
+        "facts": dict(said),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()

@@ -109,7 +109,7 @@ class AgainstTestAnswer(ShownByRules):
         scatter = "" if math.isnan(near[0].scatter) else f"± {self._say(near[0].scatter)}"
         reach = "" if test is None else f"{self._say(test.refutable)} allowed"
         yield Line("difference, rms", (scatter, *(self._say(one.rms) for one in near)), mark, reach)
-        yield Line("largest difference", ("", *map(self._worst, runs)))
+        yield Line("model − test, largest", ("", *map(self._worst, runs)))
         peaks = (float(one.curve.max()) for one in runs if one.curve is not None)
         yield Line(
             "largest value", tuple(self._say(one, 4) for one in (float(cycles.mean.max()), *peaks))
@@ -184,9 +184,11 @@ class AgainstTestAnswer(ShownByRules):
     def figures(self) -> Mapping[str, FigureSpec]:
         """Both curves with their difference, or the values in scatters."""
         if self.facts.cycles is None:
-            hint = "Model less test in scatters; between the dashed lines a value is met."
+            hint = "between the dashed lines a value is met"
             return {"values": FigureSpec("Values of model and test", hint, values_figure)}
-        hint = "Grey: two scatters of a cycle; below, what the scatter explains. The model is off where it is red."
+        limit = self.runs[0].band if self.runs else None
+        off = limit is not None and bool(limit.outside.any())
+        hint = "grey: what the scatter of the test explains" + "; red: where the model is off" * off
         return {"curves": FigureSpec("Model, test and their difference", hint, curves_figure)}
 
     def computed(self) -> Iterator[str]:
@@ -244,7 +246,7 @@ def curves_figure(facts: AgainstTest) -> go.Figure | None:
             )
     name = label_of(cycles.quantity)
     return styled(
-        fig, ANGLE, (f"{name}, {unit}".rstrip(", "), f"model less test, {unit}".rstrip(", ")), 440
+        fig, ANGLE, (f"{name}, {unit}".rstrip(", "), f"model minus test, {unit}".rstrip(", ")), 440
     )
 
 
@@ -264,7 +266,7 @@ def values_figure(facts: AgainstTest) -> go.Figure | None:
         )
     for place in (-OFF, OFF):
         fig.add_vline(place, line={"color": BAD, "width": 1, "dash": "dash"})
-    styled(fig, "model less test, scatters", ("",), 130 + 22 * len(names))
+    styled(fig, "model minus test, scatters", ("",), 130 + 22 * len(names))
     fig.update_layout(hovermode="closest", margin={"l": 300})
     fig.update_yaxes(autorange="reversed", tickvals=names)
     return fig

@@ -169,7 +169,9 @@ def write_template(name: str, kind: str, answers: Mapping[str, str] | None = Non
             word for word, one in QUESTIONS.items() if one.key.rpartition(".")[2] in error.reason
         ]
         where = flag(max(asked, key=len)) if asked else error.where
-        raise InputError(error.reason, where) from None
+        lift = flag("advertised_lift")
+        more = f"; {lift} is often 0.020 in with lash" if where == flag("advertised") else ""
+        raise InputError(error.reason + more, where) from None
     return _written(name, text)
 
 

@@ -67,12 +67,10 @@ class CaseFacts(Subject):
         return self.amount("coil_bind_clearance")
 
     @property
-    def short(self) -> Amount | None:
-        """By how much the springs are below the load that is :data:`NEEDED` at full lift; None where they are not."""
-        needed, have = (
-            self.values.get(name, math.nan) for name in (NEEDED[1], "open_spring_force")
-        )
-        return Amount(NEEDED[1], needed - have) if needed > have else None
+    def spare(self) -> Amount | None:
+        """By how much the springs are above the load that is :data:`NEEDED` at full lift; None where that is not known."""
+        needed, have = self.amount(NEEDED[1]), self.amount("open_spring_force")
+        return Amount(NEEDED[1], have.value - needed.value) if needed and have else None
 
 
 def high_lash(facts: CaseFacts) -> Hits:
@@ -141,12 +139,13 @@ def odd_tube(facts: CaseFacts) -> Hits:
 
 
 def short(facts: CaseFacts) -> Hits:
-    """The springs leave less than a fifth above the inertia force at the highest speed in use."""
-    if facts.short:
+    """The springs are below inertia plus 20 % at the highest speed in use."""
+    if facts.spare and facts.spare.value < 0:
         words = dict(zip(("closed", "full", "rate"), map(facts.amount, NEEDED), strict=True))
         speed = speed_text(facts.parameters.operation.top_speed)
         yield Hit(
-            facts.short, fields={"speed": speed} | {key: one or "" for key, one in words.items()}
+            Amount(NEEDED[1], -facts.spare.value),
+            fields={"speed": speed} | {key: one or "" for key, one in words.items()},
         )
 
 
@@ -155,9 +154,9 @@ def _ready(facts: CaseFacts, near: bool) -> Hits:
         moves = facts.parameters.lift_law is not None
         speeds = facts.parameters.operation.engine_speeds
         step = "run" if moves and speeds else "sweep" if moves else "static"
-        radius = facts.amount("cam_least_radius")
         yield Hit(facts.left, fields={
-            "next": step, "left": facts.left or "", "radius": radius or "",
+            "next": step, "left": facts.left or "", "spare": facts.spare or "",
+            "speed": speed_text(facts.parameters.operation.top_speed),
         })  # fmt: skip
 
 
@@ -217,6 +216,7 @@ def other_height(facts: CaseFacts) -> Hits:
 
 
 BIND = ("coil_bind_clearance",)
+ABOVE = "springs {spare} above inertia plus 20 % at {speed}"
 #: Radius (m) below which a cam is called sharp.
 SHARP = 2e-3
 RULES = (
@@ -230,11 +230,11 @@ RULES = (
          (), "mass and stiffness count as the case has them"),
     Rule("Q117", "warns", "a lash of {value} may be gone when hot: the valve hangs open then", small_lash,
          remark="may be gone when hot: the valve hangs open then"),
-    Rule("Q116", "decides", "the springs are {value} short of a fifth above inertia at {speed}", short, NEEDED,
-         "they need {closed} closed and {full} at full lift, or {rate}", "valvetrain sweep {case}", mark="warn"),
-    Rule("Q101", "decides", "ready to run", ready, BIND, "[{left} left to coil bind][, least radius of the cam {radius}]",
+    Rule("Q116", "decides", "the springs are {value} short at {speed}", short, NEEDED,
+         "inertia plus 20 % needs {closed} closed and {full} at full lift, or {rate}", "valvetrain sweep {case}", mark="warn"),
+    Rule("Q101", "decides", "ready to run", ready, BIND, f"[{ABOVE}][, {{left}} left to coil bind]",
          "valvetrain {next} {case}", mark="ok", unless=("Q111", "Q112", "Q113", "Q116")),
-    Rule("Q103", "decides", "ready to run, with only {left} left to coil bind", ready_but_near, BIND, "[least radius of the cam {radius}]",
+    Rule("Q103", "decides", "ready to run, with only {left} left to coil bind", ready_but_near, BIND, f"[{ABOVE}]",
          "valvetrain {next} {case}", mark="warn", guide="how-to/05-coil-bind.md", unless=("Q111", "Q112", "Q113", "Q116")),
     Rule("Q102", "decides", "a {kind} lift law alone", law_alone, (), "nothing to run without a spring or a train",
          mark=""),

@@ -249,7 +249,7 @@ def flex(facts: Facts, run: Solution) -> Hit | None:
 
 
 def needs(facts: Facts) -> Hits:
-    """What seat load and open load, or which rate, would leave a fifth of the inertia force at the highest speed that decides."""
+    """What seat load and open load, or which rate, gives the inertia force plus 20 % at the highest speed that decides."""
     for run in facts.runs[-1:]:
         names = {
             "closed": NEEDED[0],
@@ -311,7 +311,7 @@ RULES = (
     Rule("V102", "notes", "the valve lands at {value}[ {at}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
-    Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
+    Rule("C121", "notes", "inertia plus 20 % needs {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
          needs, NEEDED, "[or {rate} at your seat load]", remark="[or {rate} from your seat load]",
          guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,

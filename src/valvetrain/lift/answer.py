@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import cycle
+from itertools import compress, cycle
 
 import numpy as np
 import plotly.graph_objects as go
@@ -80,8 +81,14 @@ class LiftAnswer(ShownByRules):
     def lines(self) -> list[Line]:
         """Figures of the lobes with their 95 % intervals, noise, both lobes together, and the case."""
         lobes, worst = self.facts.lobes, map(self._spread, self.facts.worst)
-        noise = (self.words.amount(Amount("lift", one.smoothed.noise), 2) for one in lobes)
-        off = (f"{one.off.size} of {one.smoothed.residuals.size}" for one in lobes)
+        probed = [one.measured.form != "case" for one in lobes]
+        noise = (
+            self.words.amount(Amount("lift", one.smoothed.noise), 2)
+            for one in compress(lobes, probed)
+        )
+        off = (
+            f"{one.off.size} of {one.smoothed.residuals.size}" for one in compress(lobes, probed)
+        )
         rows = [
             *(Line(label, tuple(cells)) for name, label, *cells in self._figures() if name.startswith(ROWS)),
             self._line("noise of a station", "station_noise_lift", *noise),
@@ -137,8 +144,9 @@ class LiftAnswer(ShownByRules):
         }  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Lift and acceleration, all derivatives, and what the stations leave."""
+        """Events that were typed in; else lift and acceleration, all derivatives, and what the stations leave."""
         return {
+            "events": FigureSpec("When the valves are open", "at 0.050 in of lift", _timed),
             "lift": FigureSpec("Lift and acceleration", BAND_HINT, lambda facts: _curves(facts, 0, 2)),
             "derivatives": FigureSpec("Lift, velocity, acceleration and jerk", BAND_HINT, lambda facts: _curves(facts, 0, 1, 2, 3)),
             "stations": FigureSpec("Stations less the law", OFF_HINT, _stations),
@@ -152,6 +160,34 @@ class LiftAnswer(ShownByRules):
         if self.facts.carried is None:
             yield f"Copy the lift_law table of {self.facts.file or 'the file'} into your case."
         yield from self.facts.failures
+
+
+def _timed(facts: LiftFacts) -> go.Figure | None:
+    """From which crank angle (deg) to which each valve is open, of events that were typed in."""
+    angles = {one.name: math.degrees(one.value) for one in facts.timing}
+    valves = [one for one in ("exhaust", "intake") if f"event_centre_{one}" in angles]
+    if facts.lobes or not valves:
+        return None
+    fig = panels((1.0,))
+    for valve, colour in zip(valves, (SECOND, LEAD), strict=False):
+        middle, half = angles[f"event_centre_{valve}"], angles[f"event_duration_{valve}"] / 2
+        middle *= -1 if valve == "exhaust" else 1
+        ends = [middle - half, middle, middle + half]
+        words = [f"{ends[0]:.4g}°", valve, f"{ends[2]:.4g}°"]
+        marker = {"size": 14, "color": colour, "symbol": "line-ns"}
+        bar = line(ends, [0, 0, 0], valve, colour).update(
+            y=[valve] * 3, line={"width": 14}, marker=marker
+        )
+        fig.add_trace(
+            bar.update(
+                mode="lines+markers+text", text=words, textposition="top center", hoverinfo="skip"
+            )
+        )
+    for at, word in ((-180, "bottom"), (0, "top"), (180, "bottom")):
+        fig.add_vline(at, line={"color": OTHER, "width": 1, "dash": "dot"}, annotation_text=word)
+    styled(fig, "crank angle, deg (0: top dead centre)", ("",), 240)
+    fig.update_layout(showlegend=False).update_yaxes(range=[-0.5, len(valves)], visible=False)
+    return fig.update_xaxes(dtick=90, range=[-300, 300])
 
 
 def _curves(facts: LiftFacts, *derivatives: int) -> go.Figure | None:

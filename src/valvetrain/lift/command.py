@@ -271,7 +271,13 @@ def lift(request: LiftRequest, line: SavedLine, folder: Path) -> None:
     case = lift_case(
         f"lift-{'events' if file is None else file.stem}", lobes[0] if lobes else None, *stated
     )
-    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried, again=request.again)
+    template = "spring" if lobes and lobes[0].measured.lift_of == "valve" else "pushrod"
+    onward = (
+        f"run {shlex.quote(str(file))}"
+        if is_case
+        else f"lift {request.again} --case template:{template}"
+    )
+    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried, onward=onward)
     name = "case" if carried is not None else lobes[0].measured.name if lobes else "events"
 
     def fill(folder: Path) -> list[Path]:
@@ -281,7 +287,7 @@ def lift(request: LiftRequest, line: SavedLine, folder: Path) -> None:
         return files
 
     def show(folder: Path) -> LiftAnswer:
-        title = " and ".join(path.name for path in tables)
+        title = " and ".join(path.name for path in tables) or f"cam events, {request.events}"
         return LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title)
 
     saved = SavedRequest("lift", case, line.output)

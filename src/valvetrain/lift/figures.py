@@ -33,6 +33,8 @@ JUMP, AROUND, COARSE = 0.15, np.radians(1), np.radians(2.5)
 
 #: Standard deviations from which a station is off the law, and length (m) that no probe resolves.
 OFF, RESOLVED = 4.0, 1e-7
+#: Share of a figure below which its 95 % interval is that of a law, not of a probe.
+FINE = 1e-5
 #: Beginnings of the figures whose angle is of the crank.
 OF_CRANK = ("overlap", "event_", *map(str.lower, EVENTS))
 
@@ -256,7 +258,8 @@ WRITTEN = {"um": "µm", "inch": "in", "degree": "deg", "^2": "²", "^3": "³"}
 
 
 def figure_text(figure: LiftFigure, units: str = "si") -> str:
-    """A figure with its 95 % interval, which has two digits, in the units of the trade or of readers of inches.
+    """A figure with its 95 % interval, which has two digits, in the units of the trade or of readers of inches; an interval
+    below :data:`FINE` is not written.
 
     >>> figure_text(LiftFigure("peak_lift", "peak lift", 9.1e-3, 2e-6, "mm"))
     '9.1000 ± 0.0039 mm'
@@ -271,12 +274,10 @@ def figure_text(figure: LiftFigure, units: str = "si") -> str:
     if (event := figure.name[:3].upper()) in EVENTS:
         value, side = abs(value), side_of(event, value)
         unit = f"crank deg {side}"
-    digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
-    text = (
-        f"{value:.{digits}f}"
-        if spread > 0 or not figure.name.startswith(OF_CRANK)
-        else f"{value:.7g}"
-    )
+    spread *= spread > FINE * abs(value)
+    digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 0
+    exact = f"{value:.5g}" if figure.name.startswith(OF_CRANK) else f"{value:#.5g}"
+    text = f"{value:.{digits}f}" if spread > 0 else exact
     if (
         figure.name == "largest_jerk" and spread > value
     ):  # a size is not below zero, however wide the band

@@ -42,7 +42,7 @@ class LiftFacts(Subject):
     timing : events against dead centre, where they are known
     carried : a case with the first lobe, and what the noise does to it
     file : the law of the first lobe as part of a case file; of a case the whole of it
-    again : words behind ``valvetrain lift`` that read the tables again; empty in a program
+    onward : words behind ``valvetrain`` that go on with the lift; empty in a program
     """
 
     lobes: tuple[LobeResult, ...] = ()
@@ -50,7 +50,7 @@ class LiftFacts(Subject):
     timing: tuple[LiftFigure, ...] = ()
     carried: LiftBandStudy | None = None
     file: str = ""
-    again: str = ""
+    onward: str = ""
 
     @property
     def case(self) -> str:
@@ -213,13 +213,7 @@ def good(facts: LiftFacts) -> Hits:
         durations = [one for one in lobe.figures if one.name.startswith(("peak", "duration"))]
         first, *more = (facts.pair or durations)[:2]
         share = percent(max(map(looseness, facts.lobes)))
-        template = "spring" if lobe.measured.lift_of == "valve" else "pushrod"
-        fields: dict[str, Said] = {
-            "first": first.label,
-            "share": share,
-            "again": facts.again,
-            "template": template,
-        }
+        fields: dict[str, Said] = {"first": first.label, "share": share, "onward": facts.onward}
         fields |= {"second": more[0].label, "more": more[0].amount} if more else {}
         yield Hit(first.amount, fields=fields)
 
@@ -229,7 +223,10 @@ def timed(facts: LiftFacts) -> Hits:
     if not facts.lobes and facts.carried is None:
         both = [one for one in facts.timing if one.name.startswith(("lobe_sep", "overlap"))]
         first, second = (both or [one for one in facts.timing if one.name.startswith("event_")])[:2]
+        intake = [one.value for one in facts.timing if one.name.endswith("_intake")]
+        flags = zip(("--duration", "--lobe-centre"), np.degrees(intake), strict=False)
         fields: dict[str, Said] = {"first": first.label, "second": second.label, "more": second.amount}  # fmt: skip
+        fields["intake"] = " ".join(f"{flag} '{angle:.5g} deg'" for flag, angle in flags)
         yield Hit(first.amount, fields=fields)
 
 
@@ -307,10 +304,10 @@ RULES = (
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
-         "its acceleration is known within {share}", "[valvetrain lift {again} --case template:{template}]",
+         "its acceleration is known within {share}", "[valvetrain {onward}]",
          mark="ok", unless=("L20", "L210", "L213", "L214")),
     Rule("L212", "decides", "{first} {value:4}, {second} {more:4}", timed, (), "of the events as they were typed in",
-         "write them into the [lift_law] of a case, with its lift", mark="ok"),
+         "[valvetrain new my-engine --kind pushrod {intake}]", mark="ok"),
     Rule("L220", "warns", "the requested band is tighter than the noise", widened, (),
          "the lift follows the stations more closely than they deserve"),
     Rule("L230", "notes", "the base circle was at {value:2} and is now zero[; it scatters by {scatter:2}]", base),

@@ -134,8 +134,8 @@ def _complete(given: Mapping[str, str]) -> None:
                 f"the spring card lacks it: {QUESTIONS[name].meaning}; add it{rest}", flag(name)
             )
     if ("wire" in given) != ("outer_diameter" in given):
-        lacks = "outer_diameter" if "wire" in given else "wire"
-        raise InputError("the moving mass of the spring takes wire and outer diameter; add it", flag(lacks))  # fmt: skip
+        has, lacks = ("wire", "outer_diameter")[:: 1 if "wire" in given else -1]
+        raise InputError(f"the moving mass of the spring takes wire and outer diameter; add it, or leave {flag(has)} out", flag(lacks))  # fmt: skip
 
 
 def _left_out(given: Mapping[str, str]) -> Iterator[str]:

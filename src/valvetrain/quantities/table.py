@@ -319,8 +319,8 @@ TRAINS: tuple[QuantityRow, ...] = (
         "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; "
         "1 at the float speed of rigid parts where the cam loses contact first.", sense=MORE),
     train("open_spring_force", "spring load at full lift", "Force of all springs at rest at the largest rigid lift."),
-    train("needed_closed_spring_force", "seat load needed", "Force of all springs with the valve closed with which they would "
-        "exceed inertia, weight and gas at the valve by a fifth of the inertia force, by rigid theory, at their own rate."),
+    train("needed_closed_spring_force", "seat load needed", "Force of all springs with the valve closed with which they "
+        "balance weight, gas and the inertia force plus 20 % at the valve, by rigid theory, at their own rate."),
     train("needed_open_spring_force", "load at full lift needed", "Force of all springs at the largest lift with the seat load needed."),
     train("needed_spring_rate", "rate needed", "Rate that gives the same at the seat load as it is, where that is enough at zero lift.",
         dimension="stiffness", shown_unit="N/mm"),

@@ -121,15 +121,17 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
     """
     if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
         return {}
-    margin, inertia = rigid["spring_margin"], rigid["inertia_force"]
+    margin, inertia, spring = (
+        rigid[name] for name in ("spring_margin", "inertia_force", "spring_force")
+    )
     slowing = (rigid["valve_lift"] > 0) & (inertia < 0)
     if not np.any(slowing):
         return {}
     surplus = margin[slowing]
     ratio = np.min(surplus / -inertia[slowing]) + 1
-    lift, spring = rigid["valve_lift"], rigid["spring_force"]
+    lift = rigid["valve_lift"]
     closed, opened = float(spring[np.argmin(lift)]), float(spring[np.argmax(lift)])
-    lacks = -RESERVE * inertia[slowing] - surplus
+    lacks = (needed_force(rigid) - spring)[slowing]
     more = float(np.max(lacks))
     steeper = np.max((spring[slowing] + lacks - closed) / lift[slowing])
     return {
@@ -137,6 +139,12 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
         "open_spring_force": opened, "needed_closed_spring_force": max(closed + more, 0.0),
         "needed_open_spring_force": opened + more, "needed_spring_rate": max(float(steeper), 0.0),
     }  # fmt: skip
+
+
+def needed_force(rigid: RigidTable) -> Array:
+    """Spring force (N) that balances weight, gas and, where the valve is slowed, the inertia force plus :data:`RESERVE`."""
+    reserve = RESERVE * np.maximum(-rigid["inertia_force"], 0.0)
+    return rigid["spring_force"] - rigid["spring_margin"] + reserve
 
 
 def _event_numbers(events: Sequence[Event]) -> dict[str, float]:

@@ -53,7 +53,7 @@ class ScanAnswer(ShownByRules):
     @property
     def headings(self) -> list[str]:
         """Columns of the first table."""
-        return [""] if self.compared is None else ["design", "scan", "difference"]
+        return [""] if self.compared is None else ["design", "scan", "scan − design"]
 
     @property
     def rests_on(self) -> list[str]:
@@ -76,7 +76,8 @@ class ScanAnswer(ShownByRules):
                 low, high = (Amount(name, float(end(size.drawn))) for end in (np.min, np.max))
                 off = size.values - size.drawn
                 furthest = Amount(name, float(off[np.argmax(np.abs(off))]), bar)
-                cells = words.span(low, high, 4), made, words.amount(furthest, 2)
+                sign = "+" if furthest.value > 0 else ""
+                cells = words.span(low, high, 4), made, f"{sign}{words.amount(furthest, 2)}"
             yield Line(size.label, cells)
         for place in ("lower_end", "upper_end"):
             ends = [
@@ -131,7 +132,7 @@ class ScanAnswer(ShownByRules):
         cloud = FigureSpec("Points and wire axis", hint, cloud_figure)
         if self.compared is None:
             return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, curves_figure)}  # fmt: skip
-        curves = FigureSpec("Scan less design", GREY, curves_figure)
+        curves = FigureSpec("Scan minus design", GREY, curves_figure)
         return {"force": FigureSpec("Force and rate", "", force_figure), "curves": curves, "cloud": cloud}  # fmt: skip
 
     def computed(self) -> Iterator[str]:

@@ -1,9 +1,8 @@
-"""What ``check`` shows of a case: verdict, the values of its lift, springs and cam, and a picture to scale."""
+"""What ``check`` shows of a case: verdict, the values of its lift, springs and cam, and the spring force needed."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -18,13 +17,27 @@ from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.springs_at_rest import TOGETHER
 from valvetrain.findings.words import Amount, speed_text
 from valvetrain.quantities.cam_shape import lash_lift
+from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.table import EVENT_LIFTS
+from valvetrain.quantities.train_numbers import needed_force
 from valvetrain.solution.definition import is_defined, label_of
 from valvetrain.solution.static import RestPoint
 from valvetrain.views.at_rest import TO_BIND, bind_line, wound_text
 from valvetrain.views.motion.still import case_picture
 from valvetrain.views.shown import ShownByRules
-from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
+from valvetrain.views.style import (
+    ANGLE,
+    BAD,
+    BEFORE,
+    LEAD,
+    OK,
+    RIGID,
+    SECOND,
+    FigureSpec,
+    line,
+    panels,
+    styled,
+)
 from valvetrain.views.table import Line, TextTable
 
 #: Spring -> its states closed and at full lift, or why it has none.
@@ -42,6 +55,7 @@ class CaseAnswer(ShownByRules):
     loads : of the springs in use
     durations : lift (m) -> crank angle (rad) above it
     law : its lift law; None without one
+    rigid : its train with rigid parts at the highest speed in use; None without one
     words : units and language
     """
 
@@ -52,6 +66,7 @@ class CaseAnswer(ShownByRules):
     loads: Loads = field(default_factory=dict)
     durations: Mapping[float, float] = field(default_factory=dict)
     law: LiftLaw | None = None
+    rigid: RigidTable | None = None
 
     @property
     def facts(self) -> CaseFacts:
@@ -112,10 +127,11 @@ class CaseAnswer(ShownByRules):
             for what in ("rigid_valve", "lobe")
         )
         above = f"above {EVENT_LIFTS[height].removeprefix('at ')} of valve lift, rigid"
-        texts.append(("valve open", valve, f"{above}; {lobe} of lobe lift" if lobe else above))
-        speeds = case.operation.engine_speeds
-        reach = [speed_text(one) for one in (speeds[:1] if len(speeds) == 1 else (min(speeds, default=0), max(speeds, default=0)))]  # fmt: skip
-        texts.append(("engine speed", " to ".join(reach) if speeds else "", ""))
+        written = self._open(lift for _, lift, _ in getattr(self.law, "checking_points", ()))
+        if lobe and not written:
+            above += f"; {lobe} of lobe lift"
+        texts.append(("valve open", valve, above))
+        texts += [("lobe open", angle, f"above {height}") for height, angle in written]
         return [self._line(*one) for one in texts if any(one[1])]
 
     def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
@@ -123,7 +139,8 @@ class CaseAnswer(ShownByRules):
             cells = (*[""] * (len(self.headings) - 1), cells)
         if label in TO_BIND:
             return bind_line(label, cells, note, self.findings, self.words, self.facts.left)
-        short = self.facts.short and label.startswith("needed")
+        spare = self.facts.spare
+        short = spare and spare.value < 0 and label.startswith("needed")
         sharp = label == "least radius" and self.findings.by("Q118")
         mark: Mark = "warn" if short or sharp else ""
         return Line(label, cells, mark, note)
@@ -142,16 +159,20 @@ class CaseAnswer(ShownByRules):
         return "" if amount is None or not is_defined(name) else self.words.amount(amount, 4)
 
     def _needed(self) -> tuple[str, str, str]:
-        """What the springs would need together for a fifth above the inertia force at the highest speed in use."""
-        needed = [self.facts.amount(name) for name in NEEDED]
-        if not all(needed):
+        """What the springs need together for inertia plus 20 % at the highest speed in use."""
+        closed, full, rate = (self.facts.amount(name) for name in NEEDED)
+        spare = self.facts.spare
+        if closed is None or full is None or rate is None or spare is None:
             return "", "", ""
-        closed, full, rate = (one for one in needed if one)
         top = speed_text(self.facts.parameters.operation.top_speed)
-        note = "seat to full lift, a fifth above inertia"
-        if rate.value > 0:
-            note += f"; or {self.words.amount(rate)} at your seat load"
-        return f"needed at {top}", self.words.span(closed, full), note
+        note = f"{self.words.amount(spare)} to spare"
+        if spare.value < 0:
+            note = f"or {self.words.amount(rate)} at your seat load"
+        return (
+            f"needed at {top}",
+            self.words.span(closed, full),
+            f"seat to full lift, inertia plus 20 %; {note}",
+        )
 
     def _loads(self, place: int) -> tuple[str, ...]:
         return self._each("preload", lambda one: (one[place].force,))
@@ -172,14 +193,21 @@ class CaseAnswer(ShownByRules):
     def _numbers(self) -> TextTable:
         """Every named quantity of springs, lift and cam, and the open times."""
         rows = [(label_of(name), text) for name in self.facts.values if (text := self._text(name))]
-        rows += [
-            (
-                f"open above {self.words.amount(Amount('maximum_lift', height))}",
-                self.words.amount(Amount("valve_50_thou_open_crank_angle_range", angle), 4),
-            )
-            for height, angle in self.durations.items()
-        ]
+        rows += [(f"lobe open above {one}", angle) for one, angle in self._open(self.durations)]
         return TextTable("Numbers of springs, lift and cam", ("quantity", "value"), tuple(rows))
+
+    def _open(self, heights: Iterable[float]) -> list[tuple[str, str]]:
+        """Heights and crank angle above them, of those that the lift law reaches."""
+        return [
+            (
+                f"{self.words.amount(Amount('maximum_lift', height))} of {self._whose()} lift",
+                self.words.amount(
+                    Amount("valve_50_thou_open_crank_angle_range", self.durations[height]), 4
+                ),
+            )
+            for height in heights
+            if height in self.durations
+        ]
 
     def tables(self) -> Mapping[str, TextTable]:
         """The numbers, and what the case says as it was understood."""
@@ -187,19 +215,39 @@ class CaseAnswer(ShownByRules):
         return {"numbers": self._numbers(), "understood": told}
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """The lift law."""
-        return {"law": FigureSpec("Lift law", "", lambda _: self._law_figure())}
+        """Spring force available and needed, of a train with a highest speed."""
+        if self.rigid is None:
+            return {}
+        title = f"Spring force available and needed at {speed_text(self.facts.parameters.operation.top_speed)}"
+        hint = "rigid parts; where inertia presses the valve on the cam nothing is needed"
+        return {"force": FigureSpec(title, hint, lambda _: self._force_figure())}
 
-    def _law_figure(self) -> go.Figure | None:
-        """Lift (mm) and acceleration (mm/rad²) of the law over the cam angle (deg)."""
-        if self.law is None:
+    def _force_figure(self) -> go.Figure | None:
+        """Force (N) of the springs at rest over the cam angle (deg), what inertia needs, and 20 % more, with the least margin."""
+        rigid, spare = self.rigid, self.facts.spare
+        if rigid is None or spare is None:
             return None
-        angle = np.linspace(0, math.tau, 1441)
-        lift, bend = 1e3 * self.law.lift(angle), 1e3 * self.law.lift(angle, 2)
-        fig = panels((0.6, 0.4))
-        fig.add_trace(line(np.degrees(angle), lift, "lift of the law", LEAD), 1, 1)
-        fig.add_trace(line(np.degrees(angle), bend, "acceleration", SECOND), 2, 1)
-        return styled(fig, ANGLE, (f"{self._whose()} lift, mm", "mm/rad²"), 380)
+        angle, have = np.degrees(rigid.cam_angle), rigid["spring_force"]
+        inertia, asked = have - rigid["spring_margin"], needed_force(rigid)
+        fig = panels((1.0,))
+        fig.add_trace(line(angle, have, "available", LEAD))
+        fig.add_trace(line(angle, np.maximum(asked, 0), "needed: inertia plus 20 %", SECOND))
+        fig.add_trace(line(angle, np.maximum(inertia, 0), "inertia alone", RIGID, "dash"))
+        slowed = (rigid["valve_lift"] > 0) & (rigid["inertia_force"] < 0)
+        at = int(np.argmax(np.where(slowed, asked - have, -np.inf)))
+        colour = BAD if spare.value < 0 else OK
+        fig.add_trace(
+            line(angle[[at, at]], [asked[at], have[at]], "least margin", colour, showlegend=False)
+        )
+        size = self.words.amount(Amount(NEEDED[1], abs(spare.value)))
+        fig.add_annotation(
+            x=angle[at], y=(asked[at] + have[at]) / 2, text=f"{size} {'short' if spare.value < 0 else 'to spare'}",
+            showarrow=False, xanchor="left", xshift=4, font={"color": colour},
+        )  # fmt: skip
+        shown = angle[rigid["valve_lift"] > 0]
+        return styled(fig, ANGLE, ("N",)).update_xaxes(
+            range=[shown[0] - BEFORE, shown[-1] + BEFORE]
+        )
 
     def _whose(self) -> str:
         law = self.facts.parameters.lift_law

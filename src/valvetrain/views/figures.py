@@ -224,18 +224,21 @@ def lift(facts: Facts) -> go.Figure | None:
 
 
 def contacts(facts: Facts) -> go.Figure | None:
-    """Force in every contact of the train over the cam angle, of the run that decides."""
+    """Force in every contact of the train, and the torque that drives the cam, over the cam angle, of the run that decides."""
     run = worst_run(facts)
     ends = "_contact_force"
     places = [] if run is None else [n for n in run.arrays.variables if n.endswith(ends)]
     places = [name for name in places if not name.startswith(("rigid", "coil"))]
-    if run is None or len(places) < 2:
+    if run is None or len(places) < 2 or not run.has("cam_torque"):
         return None
-    fig = go.Figure()
+    fig = panels((0.6, 0.4))
     for name, colour in zip(places, SPEEDS, strict=False):
         word = name.removesuffix(ends).replace("_", " ")
-        fig.add_trace(line(degrees(run), over_turn(run, name), word, colour))
-    return styled(fig, angle_title(facts, run), ("N",)).update_xaxes(range=window(run))
+        fig.add_trace(line(degrees(run), over_turn(run, name), word, colour), 1, 1)
+    torque = line(degrees(run), over_turn(run, "cam_torque"), "cam torque", OTHER)
+    fig.add_trace(torque, 2, 1)
+    styled(fig, angle_title(facts, run), ("N", "torque, N m"), 430)
+    return fig.update_xaxes(range=window(run))
 
 
 def needed(facts: Facts) -> go.Figure | None:
@@ -280,7 +283,11 @@ FORCE = FigureSpec(
     force,
 )
 LIFT = FigureSpec("Lift, velocity and acceleration", "of the run that decides", lift)
-CONTACTS = FigureSpec("Forces in the contacts of the train", "of the run that decides", contacts)
+CONTACTS = FigureSpec(
+    "Forces in the contacts, and cam torque",
+    "of the run that decides; the spring drives the cam where the torque is below zero",
+    contacts,
+)
 PISTON = FigureSpec("Clearance to the piston", "", piston)
 NEEDED = FigureSpec(
     "Spring force that you have and that rigid parts need",
