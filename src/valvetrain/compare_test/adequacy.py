@@ -17,7 +17,6 @@ from scipy.special import chdtri, fdtrc, fdtri, stdtr, stdtrit
 
 from valvetrain.arrays import Array, Flags
 from valvetrain.errors import InputError
-from valvetrain.parameters.summary import number
 
 #: Degrees of freedom from which on more make no difference beyond some 1e-8.
 MANY = 1e8
@@ -132,11 +131,6 @@ class AdequacyTest:
         """
         share = (self.independent - self.fitted) / self.independent
         return math.sqrt(self.critical * self.expected * share / max(self.repeats, 1))
-
-
-def chance_text(p_value: float) -> str:
-    """A chance as people read it."""
-    return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
 
 
 def critical_ratio(first: float, second: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.compare_test import tables
-from valvetrain.compare_test.adequacy import LEVEL, chance_text
+from valvetrain.compare_test.adequacy import LEVEL
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest
 from valvetrain.compare_test.rules import OFF, RULES, AgainstTest, furthest, phase
@@ -84,18 +84,11 @@ class AgainstTestAnswer(ShownByRules):
             return []
         rows = [*self._cycle_lines()] if self.facts.cycles is not None else [*self._value_lines()]
         if (test := self.runs[0].adequacy) is not None:
-            both = [one.adequacy for one in self.runs]
+            both = (one.adequacy for one in self.runs)
             ratios = ("" if one is None else digits_text(one.ratio) for one in both)
-            chances = ("" if one is None else chance_text(one.p_value) for one in both)
-            rows.append(
-                Line(
-                    "F",
-                    ("1", *ratios),
-                    "ok" if test.adequate else "bad",
-                    f"{digits_text(test.critical)} allowed",
-                )
-            )
-            rows.append(Line("p", ("", *chances), "", "by scatter alone"))
+            mark: Mark = "ok" if test.adequate else "bad"
+            allowed = f"{digits_text(test.critical)} allowed"
+            rows.append(Line("F, variance ratio", ("1", *ratios), mark, allowed))
         return rows
 
     def _say(self, value: float, digits: int = 3) -> str:
