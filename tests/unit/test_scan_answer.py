@@ -108,6 +108,8 @@ def test_an_answer_is_short_has_rows_figures_and_a_next_step(name):
     names = list(figures_of(answer))
     assert names[0] == ("cloud" if answer.compared is None else "force") and len(names) > 1
     assert answer.verdict.code == "Y110" or answer.next_step
+    marked = {one.label for one in answer.lines if one.mark == "warn"} & {"wire diameter", "turns"}
+    assert marked == {one.fields["name"] for one in answer.findings.by("Y114")} & {"wire diameter", "turns"}  # fmt: skip
     assert "<table>" in answer.scan._repr_html_() and answer.scan.plot().data
 
 

@@ -67,6 +67,7 @@ class ScanAnswer(ShownByRules):
 
     def _sizes(self) -> Iterator[Line]:
         facts, words = self.facts, replace(self.words, brief=True)
+        off_design = {one.fields["name"] for one in self.findings.by("Y114")}
         for size in facts.sizes:
             bar, name = BAND * float(np.max(size.spread)), size.quantity
             low, high = (Amount(name, float(end(size.values)), bar) for end in (np.min, np.max))
@@ -78,7 +79,7 @@ class ScanAnswer(ShownByRules):
                 furthest = Amount(name, float(off[np.argmax(np.abs(off))]), bar)
                 sign = "+" if furthest.value > 0 else ""
                 cells = words.span(low, high, 4), made, f"{sign}{words.amount(furthest, 2)}"
-            yield Line(size.label, cells)
+            yield Line(size.label, cells, "warn" if size.label in off_design else "")
         for place in ("lower_end", "upper_end"):
             ends = [
                 getattr(wire, place)
