@@ -54,7 +54,7 @@ def cases(line: CasesLine) -> None:
             (one.name, ", ".join(one.holds), one.title, ", ".join(one.sources)) for one in found
         ]
         table = plain_table(("name", "holds", "title", "source"), rows)
-        step = "next: valvetrain run NAME, or valvetrain new my-engine --kind pushrod for your own"
+        step = "next: valvetrain run tdi-pushrod, or valvetrain new my-engine --kind pushrod for your own"
         deliver(Outcome(data, lambda console: console.print(table, step, sep="\n")))
         return
     if line.name not in library_names():
