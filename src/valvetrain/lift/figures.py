@@ -34,7 +34,7 @@ JUMP, AROUND, COARSE = 0.15, np.radians(1), np.radians(2.5)
 #: Standard deviations from which a station is off the law, and length (m) that no probe resolves.
 OFF, RESOLVED = 4.0, 1e-7
 #: Share of a figure below which its 95 % interval is that of a law, not of a probe.
-FINE = 1e-5
+FINE = 5e-5
 #: Beginnings of the figures whose angle is of the crank.
 OF_CRANK = ("overlap", "event_", *map(str.lower, EVENTS))
 

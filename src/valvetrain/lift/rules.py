@@ -181,7 +181,8 @@ def jumps(facts: LiftFacts) -> Hits:
         for place, beyond in (overshoot(lobe.smoothed, sign) for sign in (1, -1)):
             if beyond:
                 angle = Amount("station_cam_angle", place)
-                yield Hit(fields={"lobe": lobe.measured.name, "angle": angle}, severity=beyond)
+                fields: dict[str, Said] = {"lobe": lobe.measured.name, "angle": angle}
+                yield Hit(fields=fields | {"onward": facts.onward}, severity=beyond)
 
 
 def undercut(facts: LiftFacts) -> Hits:
@@ -288,7 +289,7 @@ RULES = (
     Rule("L203", "decides", "the column of {column} is not the derivative of the lift", misfit, (),
          "the unit, the zero or the direction may be wrong", "correct the table or --columns, then repeat this command", mark="warn"),
     Rule("L208", "decides", "the acceleration of the {lobe} jumps, so its largest value is not resolved", jumps, (),
-         "the jump is near {angle:4}", "use the lift, but no largest acceleration; a cam made of arcs has such jumps", mark="warn", unless=("L205",)),
+         "it jumps near {angle:4}, as on a cam made of arcs", "[valvetrain {onward}]", mark="warn", unless=("L205",)),
     Rule("L204", "decides", "too much noise in the {lobe}: {share} of the acceleration is open", partial(loose, coarse=False),
          ("station_noise_lift",),
          "{value:2} of noise with stations {spacing} apart", "measure again: average several turns, or reduce the noise of the probe",
