@@ -253,7 +253,6 @@ BUILT_IN["figures"] = {
     "train/lift": "valvetrain.views.figures:LIFT",
     "train/contacts": "valvetrain.views.figures:CONTACTS",
     "train/piston": "valvetrain.views.figures:PISTON",
-    "train/needed": "valvetrain.views.figures:NEEDED",
     "coils": "valvetrain.views.figures_of_springs:COILS",
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
     "sweeps/order-map": "valvetrain.views.over_speed:ORDER_MAP",

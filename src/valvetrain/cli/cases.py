@@ -83,6 +83,7 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     from valvetrain.session import called_case
     from valvetrain.solution.status import PartialFailures
     from valvetrain.system.build import lift_law_of
+    from valvetrain.units.reader import for_reader
     from valvetrain.views.case_answer import CaseAnswer
     from valvetrain.views.json import quantities_object
     from valvetrain.views.terminal import screen
@@ -101,17 +102,17 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
     )
     law = None if chosen.lift_law is None else lift_law_of(chosen)
     rigid = rigid_at_top(chosen, problem)
-
-    said = case_facts(chosen, loads)
     named = {one.name: state for one, state in loads.items()}
 
     def answer() -> CaseAnswer:
+        with for_reader():
+            said = case_facts(chosen, loads)
         return CaseAnswer(facts, said, named, durations, law, rigid)
 
     data: dict[str, Any] = {
         "command": "check", "case": chosen.name, "title": chosen.title,
         "holds": [name for name, held in HELD.items() if getattr(chosen, held)],
-        "facts": dict(said),
+        "facts": dict(case_facts(chosen, loads)),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()

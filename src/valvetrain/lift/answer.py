@@ -168,25 +168,25 @@ def _timed(facts: LiftFacts) -> go.Figure | None:
     valves = [one for one in ("exhaust", "intake") if f"event_centre_{one}" in angles]
     if facts.lobes or not valves:
         return None
-    fig = panels((1.0,))
-    for valve, colour in zip(valves, (SECOND, LEAD), strict=False):
-        middle, half = angles[f"event_centre_{valve}"], angles[f"event_duration_{valve}"] / 2
-        middle *= -1 if valve == "exhaust" else 1
-        ends = [middle - half, middle, middle + half]
-        words = [f"{ends[0]:.4g}°", valve, f"{ends[2]:.4g}°"]
-        marker = {"size": 14, "color": colour, "symbol": "line-ns"}
-        bar = line(ends, [0, 0, 0], valve, colour).update(
-            y=[valve] * 3, line={"width": 14}, marker=marker
-        )
-        fig.add_trace(
-            bar.update(
-                mode="lines+markers+text", text=words, textposition="top center", hoverinfo="skip"
-            )
-        )
+    width = [angles[f"event_duration_{one}"] for one in valves]
+    centre = [angles[f"event_centre_{one}"] * (-1 if one == "exhaust" else 1) for one in valves]
+    begin = [at - size / 2 for at, size in zip(centre, width, strict=True)]
+    text = [f"{at:.4g}° to {at + size:.4g}°" for at, size in zip(begin, width, strict=True)]
+    bars = go.Bar(
+        x=width,
+        base=begin,
+        y=valves,
+        text=text,
+        orientation="h",
+        marker_color=LEAD,
+        textposition="inside",
+        insidetextanchor="middle",
+    )
+    fig = panels((1.0,)).add_trace(bars)
     for at, word in ((-180, "bottom"), (0, "top"), (180, "bottom")):
         fig.add_vline(at, line={"color": OTHER, "width": 1, "dash": "dot"}, annotation_text=word)
     styled(fig, "crank angle, deg (0: top dead centre)", ("",), 240)
-    fig.update_layout(showlegend=False).update_yaxes(range=[-0.5, len(valves)], visible=False)
+    fig.update_yaxes(range=[-0.5, len(valves)])
     return fig.update_xaxes(dtick=90, range=[-300, 300])
 
 

@@ -235,15 +235,10 @@ class CaseAnswer(ShownByRules):
         fig.add_trace(line(angle, np.maximum(inertia, 0), "inertia alone", RIGID, "dash"))
         slowed = (rigid["valve_lift"] > 0) & (rigid["inertia_force"] < 0)
         at = int(np.argmax(np.where(slowed, asked - have, -np.inf)))
-        colour = BAD if spare.value < 0 else OK
-        fig.add_trace(
-            line(angle[[at, at]], [asked[at], have[at]], "least margin", colour, showlegend=False)
-        )
-        size = self.words.amount(Amount(NEEDED[1], abs(spare.value)))
-        fig.add_annotation(
-            x=angle[at], y=(asked[at] + have[at]) / 2, text=f"{size} {'short' if spare.value < 0 else 'to spare'}",
-            showarrow=False, xanchor="left", xshift=4, font={"color": colour},
-        )  # fmt: skip
+        colour, word = (BAD, "short") if spare.value < 0 else (OK, "to spare")
+        text = f"{self.words.amount(Amount(NEEDED[1], abs(spare.value)))} {word}"
+        margin = line(angle[[at, at]], [asked[at], have[at]], word, colour, text=["", text])
+        fig.add_trace(margin.update(mode="lines+text", textposition="top center", showlegend=False))
         shown = angle[rigid["valve_lift"] > 0]
         return styled(fig, ANGLE, ("N",)).update_xaxes(
             range=[shown[0] - BEFORE, shown[-1] + BEFORE]
@@ -264,8 +259,8 @@ class CaseAnswer(ShownByRules):
         return self.facts.parameters.text
 
     def picture(self) -> str:
-        """Valve closed and at full lift, to scale."""
+        """Valve closed and at full lift, to scale, of a case without a figure."""
         try:
-            return case_picture(self.facts.parameters)
+            return "" if self.rigid else case_picture(self.facts.parameters)
         except InputError:
             return ""

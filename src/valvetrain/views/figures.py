@@ -241,22 +241,6 @@ def contacts(facts: Facts) -> go.Figure | None:
     return fig.update_xaxes(range=window(run))
 
 
-def needed(facts: Facts) -> go.Figure | None:
-    """Spring force at rest over the cam angle, and what rigid parts need of it at every speed."""
-    names = ("rigid_spring_force", "rigid_spring_margin", "valve_lift")
-    runs = [run for run in facts.runs if run.has(*names)][-len(SPEEDS) :]
-    if not runs:
-        return None
-    fig, last = go.Figure(), runs[-1]
-    fig.add_trace(
-        line(degrees(last), over_turn(last, names[0]), "you have, at rest", RIGID, "dash")
-    )
-    for run, colour in zip(runs, SPEEDS, strict=False):
-        force = over_turn(run, names[0]) - over_turn(run, names[1])
-        fig.add_trace(line(degrees(run), force, f"needed {facts.at(run) or run.label}", colour))
-    return styled(fig, angle_title(facts, last), ("N",)).update_xaxes(range=window(last))
-
-
 def piston(facts: Facts) -> go.Figure | None:
     """Clearance (mm) of valve and piston over the cam angle, of every run that has it."""
     runs = [run for run in facts.runs if run.has("piston_clearance", "valve_lift")]
@@ -289,8 +273,3 @@ CONTACTS = FigureSpec(
     contacts,
 )
 PISTON = FigureSpec("Clearance to the piston", "", piston)
-NEEDED = FigureSpec(
-    "Spring force that you have and that rigid parts need",
-    "above the dashed line the valve would float; below zero inertia presses it on the cam",
-    needed,
-)
