@@ -48,18 +48,9 @@ def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
             )
         )
         facts.append(("", "one valve and its cam: masses, forces and power are per valve"))
-        facts.append(
-            (
-                "contacts",
-                ", ".join(
-                    f"{place.replace('_', ' ')} {contact.law}"
-                    for place, contact in train.contacts.items()
-                ),
-            )
-        )
         if contacts := default_contacts(train.contacts):
             places = str(contacts["places"]).replace("_", " ")
-            facts.append(("", f"usual steel values at {places}"))
+            facts.append(("contacts", f"usual steel values at {places}"))
         if (lever := train.lever) is not None:
             bends = (
                 "rigid"
