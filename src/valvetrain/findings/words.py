@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Union
 
 from valvetrain.solution.definition import definition_of
+from valvetrain.units.reader import shown_system
 
 #: Share of a value from which its error bar is printed, and from which the value is not resolved.
 COARSE, UNRESOLVED = 0.05, 0.5
@@ -171,13 +172,13 @@ class Words:
 
     Parameters
     ----------
-    units : system of :data:`UNITS`, ``si`` or ``imperial``
+    units : system of :data:`UNITS`, ``si`` or ``imperial``; without it that of the reader
     brief : in cells of tables a number that is not resolved is its range alone
     case : what a command is given to take the case again; empty: its name
     templates : rule code -> part (``text``, ``reason``, ``step``, ``remark``) -> template in another language
     """
 
-    units: str = "si"
+    units: str = field(default_factory=shown_system)
     brief: bool = False
     case: str = ""
     templates: Mapping[str, Mapping[str, str]] = field(default_factory=dict)

@@ -99,7 +99,6 @@ def scan(request: ScanRequest, line: FolderLine, _: Path) -> None:
     from valvetrain.scan.answer import ScanAnswer
     from valvetrain.scan.compare import compare_scan, design_spring
     from valvetrain.scan.reconstruct import spring_from_scan
-    from valvetrain.units.reader import shown_system
 
     case, compared = request.design, None
     if case is not None:
@@ -120,7 +119,7 @@ def scan(request: ScanRequest, line: FolderLine, _: Path) -> None:
         scanned = compared.scan
 
     def show(folder: Path) -> ScanAnswer:
-        words = Words(shown_system(), case=str(folder / "spring.toml"))
+        words = Words(case=str(folder / "spring.toml"))
         return ScanAnswer(scanned, compared, words=words)
 
     answer = ScanAnswer(scanned, compared)

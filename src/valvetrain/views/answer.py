@@ -18,7 +18,6 @@ from valvetrain.findings.words import Words, digits_text, speed_text
 from valvetrain.registry import members
 from valvetrain.session import called_case
 from valvetrain.solution.study import Study
-from valvetrain.units.reader import shown_system
 from valvetrain.views.rows import first_rows, headings
 from valvetrain.views.shown import ShownStudy
 from valvetrain.views.side_by_side import model_table, paper_table
@@ -40,7 +39,7 @@ class Answer(ShownStudy):
     """
 
     study: Study
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
+    words: Words = field(default_factory=lambda: Words(case=called_case()))
 
     @cached_property
     def facts(self) -> Facts:

@@ -169,9 +169,7 @@ class ShownByRules(Shown):
     """What is shown of a result whose findings are those of its ``rules``; ``words``: units of the reader."""
 
     rules: ClassVar[Sequence[Rule]]
-    words: Words = field(
-        default_factory=lambda: Words(shown_system(), case=called_case()), kw_only=True
-    )
+    words: Words = field(default_factory=lambda: Words(case=called_case()), kw_only=True)
 
     def write(self, folder: Path) -> list[Path]:
         """Write the files of the result, but its page, to ``folder``."""
