@@ -149,18 +149,16 @@ def _loops(parts: list[Any], name: str) -> tuple[list[Array], list[tuple[Array, 
     try:
         for chain in edgeminer.find_all_loops(deposit, timeout=5):
             if len(chain) > STRAIGHT or any(len(edge.payload) > 2 for edge in chain):
-                loops.append(np.concatenate([_forward(edge) for edge in chain]))
+                loops.append(
+                    np.concatenate(
+                        [edge.payload[:: -1 if edge.is_reverse else 1] for edge in chain]
+                    )
+                )
     except edgeminer.TimeoutError as error:  # the library's own, no OSError
         raise InputError(
             f"the lines of '{name[:80]}' cross in too many ways; keep the cam's outline alone"
         ) from error
     return loops, circles
-
-
-def _forward(edge: Any) -> Array:
-    """Points of an edge in the direction of its chain."""
-    points: Array = edge.payload
-    return points[::-1] if edge.is_reverse else points
 
 
 def _points(part: Any, sagitta: float) -> Array:

@@ -17,7 +17,7 @@ from valvetrain.arrays import Array
 from valvetrain.errors import InputError
 from valvetrain.measured.contours import Follower, lift_of_contour
 from valvetrain.measured.door import refuse_beyond
-from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns, LiftFormat
+from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns
 from valvetrain.measured.stations import Dust, base_of, dust_of, events_of, turned
 from valvetrain.measured.tables import read_content
 from valvetrain.solution.display import Shown
@@ -194,7 +194,8 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
 
 def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredLift, ...]:
     """The lobes in the ``content`` of a file called ``name``; as :func:`read_lift`."""
-    forms = map(_format, registry.names("lift_formats"))
+    formats = registry.names("lift_formats")
+    forms = (registry.find("lift_formats", word) for word in formats)
     form = next((one for one in forms if one.recognise(content, name)), None)
     if form is None:
         raise InputError(
@@ -299,11 +300,6 @@ def _lifted(found: LiftColumns, answers: LiftAnswers, name: str) -> LiftColumns:
         said=said,
         contour=(angles, radii),
     )
-
-
-def _format(word: str) -> LiftFormat:
-    found: LiftFormat = registry.find("lift_formats", word)
-    return found
 
 
 def _of_fractions(found: LiftColumns, answers: LiftAnswers) -> tuple[LiftColumns, LiftAnswers]:

@@ -172,7 +172,9 @@ def _springs(
         texts = [_setting(key, *one) for key, one in values.items()] if by_card else ()
         return replace(part(name, price, *changed), setting=" ".join(texts))
 
-    rate = sum(map(_rate, springs))
+    rate = sum(
+        one.card.rate if one.card else EquivalentSpring.from_installed(one).rate for one in springs
+    )
     for load in LOADS[units]:
         shim = load / rate
         price = f"cam wear and torque, {_length(shim, units)} nearer coil bind"
@@ -191,11 +193,6 @@ def _springs(
     if any(one.card is None or one.card.mass is not None for one in springs):
         lighter = (_scaled(one, mass=1 - TENTH) for one in springs)
         yield part("spring 10 % lighter", "such as a beehive", *lighter)
-
-
-def _rate(spring: InstalledSpring) -> float:
-    """Rate (N/m) with the valve closed."""
-    return spring.card.rate if spring.card else EquivalentSpring.from_installed(spring).rate
 
 
 def _shimmed(spring: InstalledSpring, shim: float) -> InstalledSpring:

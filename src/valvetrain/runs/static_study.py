@@ -31,7 +31,7 @@ from valvetrain.runs.statics import (
 )
 from valvetrain.runs.stored_error_bars import belongs, load_uncertainty
 from valvetrain.solution.provenance import collect_provenance
-from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.springs.contract import SpringModel
@@ -131,7 +131,9 @@ def _at_rest(
         model = problem.model_of(name, spring, rod_result)
         compressions = np.linspace(0.0, end, request.steps + 1)
         rest = statics_by_model(spring, name, model, compressions, modes, attached_mass)
-        yield replace(rest, points=_requested_points(spring, model, rest, heights, loads))
+        asked = [_at_height(spring, height) for height in heights]
+        asked += [_under_load(spring, model, rest, load) for load in loads]
+        yield replace(rest, points=tuple(point_of(spring, model, one) for one in asked))
 
 
 def _spec_at_rest(spring: InstalledSpring, name: str, where: str, other: str) -> SpringModelSpec:
@@ -187,25 +189,6 @@ def _ringing(spring: InstalledSpring, rest: SpringAtRest) -> dict[str, float]:
     frequency = float(modes.axial_frequencies[0])
     rate = spring.damping.ratio_at(frequency) * 2 * np.pi * frequency
     return {"surge_half_duration": float(np.log(2) / rate)} if rate > 0 else {}
-
-
-def _requested_points(
-    spring: InstalledSpring,
-    model: SpringModel,
-    rest: SpringAtRest,
-    heights: Sequence[float],
-    loads: Sequence[float],
-) -> tuple[RestPoint, ...]:
-    """The spring at ``heights`` (m) between its seats and under ``loads`` (N), each solved on its
-    own, in that order.
-
-    Raises :class:`InputError` for a height above the free length or at which the coils are solid,
-    for any height of a spring without an installed one, and for a load that the spring does not
-    carry before it is nearly solid.
-    """
-    compressions = [_at_height(spring, height) for height in heights]
-    compressions += [_under_load(spring, model, rest, load) for load in loads]
-    return tuple(point_of(spring, model, compression) for compression in compressions)
 
 
 def _at_height(spring: InstalledSpring, height: float) -> float:

@@ -135,7 +135,11 @@ def shows_progress(
             try:
                 with registry.find("displays", "progress")(title, kernels) as report:
                     if report is not None:
-                        given.arguments["progress"] = _counting(report) if counted else report
+                        given.arguments["progress"] = (
+                            (lambda done, total: report(done / max(total, 1), f"{done} of {total}"))
+                            if counted
+                            else report
+                        )
                     result: Result = run(*given.args, **given.kwargs)
                     return result
             finally:
@@ -144,7 +148,3 @@ def shows_progress(
         return call
 
     return decorate
-
-
-def _counting(report: Callable[[float, str], None]) -> Callable[[int, int], None]:
-    return lambda done, total: report(done / max(total, 1), f"{done} of {total}")

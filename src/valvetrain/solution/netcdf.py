@@ -12,7 +12,7 @@ import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-
-if TYPE_CHECKING:
-    import h5py
 
 _PathLike = str | os.PathLike[str]
 #: Most bytes that the best compression stores in one; variables of at most this size are always
@@ -276,16 +273,11 @@ def refuse_claims(path: Path) -> None:
             if (label.encode() if isinstance(label, str) else bytes(label)).startswith(_DIMENSION):
                 continue  # the length of a dimension, of which nothing is stored or read
             stored = variable.id.get_storage_size()
-            claimed = max(
-                variable.nbytes, _chunk_bytes(variable) if stored else 0
-            )  # one value of a chunk allocates all of it
+            chunk = math.prod(variable.chunks) if variable.chunks and stored else 0
+            # one value of a chunk allocates all of it
+            claimed = max(variable.nbytes, chunk * variable.dtype.itemsize)
             if stored > whole or claimed > max(SMALL, stored * MAX_EXPANDED):
                 raise InputError(
                     f"is damaged: '{name}' claims {claimed:.3g} bytes and holds {stored}; write it again",
                     str(path),
                 )
-
-
-def _chunk_bytes(variable: h5py.Dataset) -> int:
-    """Bytes of one chunk of a chunked variable; 0 of others."""
-    return math.prod(variable.chunks) * variable.dtype.itemsize if variable.chunks else 0

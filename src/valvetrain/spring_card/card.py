@@ -285,12 +285,9 @@ def doubt_of(card: CatalogueCard) -> str:
     if card.top_outer_diameter is not None:
         return ""
     active = _active_turns(card, None)
-    return doubtful_turns(active, card.wire_diameter, card.solid_height, _whole_turns(card))
-
-
-def _whole_turns(card: CatalogueCard) -> float | None:
-    """All turns where they are given or weighed."""
-    return _given_turns(card) if card.total_coils is not None or card.mass is not None else None
+    known = card.total_coils is not None or card.mass is not None
+    turns = _given_turns(card) if known else None
+    return doubtful_turns(active, card.wire_diameter, card.solid_height, turns)
 
 
 def ground_off(turns: float) -> float:

@@ -186,7 +186,8 @@ def spring_card(request: CardRequest, line: FolderLine, _: Path) -> None:
         assert request.installed is not None and request.open_load is not None
         loads = request.installed, request.open_load
         met = spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **sizes))
-        return _deliver(met, _card_data(met), request, line)
+        rows = {one.quantity: {"asked": one.requested, "found": one.found} for one in met.held}
+        return _deliver(met, {"card": rows}, request, line)
     table = read_force_height(
         request.table,
         columns=request.columns,
@@ -237,13 +238,6 @@ def _deliver(
         lambda folder: [write_text(folder / "spring.toml", text)], request.given, line.open_page,
     )  # fmt: skip
     deliver(outcome)
-
-
-def _card_data(fit: SpringFit) -> dict[str, Any]:
-    """Every number of the card (SI) and that of the spring."""
-    return {
-        "card": {one.quantity: {"asked": one.requested, "found": one.found} for one in fit.held}
-    }
 
 
 def _table_data(fit: TesterFit) -> dict[str, Any]:

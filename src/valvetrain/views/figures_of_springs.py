@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import SPRINGS
 from valvetrain.findings.facts import Facts, over_turn
 from valvetrain.findings.rules_rest import IN_USE, lift_of, orders_of, strongest
-from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states_of
+from valvetrain.findings.springs_at_rest import marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.units import to_unit
@@ -167,7 +167,11 @@ def static_curves(facts: Facts) -> go.Figure | None:
     title = "compression, mm" if pair is None else "lift, mm"
     styled(fig, title, ("force, N", "rate, N/mm"), 430)
     fig.update_yaxes(range=[0, 1.15 * top], row=2, col=1)
-    marked = some[0] if pair is None else min(pair.pair, key=_least_room)
+    marked = (
+        some[0]
+        if pair is None
+        else min(pair.pair, key=lambda one: one.left.value if one.left else math.inf)
+    )
     for place, (word, compression) in enumerate(marks_of(marked)):
         dash = {
             "color": BAD if word in ("solid", "buckles") else RIGID,
@@ -181,11 +185,6 @@ def static_curves(facts: Facts) -> go.Figure | None:
             xshift=-3, font={"size": 11, "color": dash["color"]}, row=1, col=1,
         )  # fmt: skip
     return fig
-
-
-def _least_room(one: State) -> float:
-    """What a spring has left to coil bind (m); infinite where it is not known."""
-    return one.left.value if one.left else math.inf
 
 
 def surge_orders(facts: Facts) -> go.Figure | None:

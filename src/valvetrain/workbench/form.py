@@ -123,7 +123,9 @@ class CaseForm:
             value = given.get(name)
             if name == "options":
                 self._add_options(path, whose, "preload" in model, value or {})
-            elif isinstance(value, Mapping) and _is_mapping(info):
+            elif isinstance(value, Mapping) and any(
+                get_origin(part) in (dict, Mapping) for part in parts_of(info.annotation)
+            ):
                 for word, entry in value.items():
                     heading = f"{name.removesuffix('s')} {words_of(word)}"
                     self._add_entry(f"{path}.{word}", heading, kind, entry)
@@ -194,11 +196,6 @@ def _table_in(info: FieldInfo) -> Any:
         if isinstance(part, type) and issubclass(part, (StrictModel, Table)) and part not in VALUES:
             return part
     return None
-
-
-def _is_mapping(info: FieldInfo) -> bool:
-    """Whether a field holds tables by their names."""
-    return any(get_origin(part) in (dict, Mapping) for part in parts_of(info.annotation))
 
 
 def _model_of(kind: Any, given: Mapping[str, Any]) -> Mapping[str, FieldInfo]:

@@ -69,7 +69,11 @@ class QuantityStudy(SpringRequest, SteadyRequest):
                 {
                     "key": self.quantity,
                     "label": label,
-                    **{end: _number_or_text(text) for end, text in ends.items() if text},
+                    **{
+                        end: float(text) if re.fullmatch(r"[-+]?\d+(\.\d+)?", text) else text
+                        for end, text in ends.items()
+                        if text
+                    },
                 }
             ],
         }
@@ -176,7 +180,3 @@ def fields_of(model: type[Request]) -> dict[str, Option]:
     """The fields of a request that a page may give."""
     fields = options_of(model).items()
     return {name: one for name, one in fields if (one.flag or one.metavar) and name not in SET_HERE}
-
-
-def _number_or_text(value: str) -> float | str:
-    return float(value) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else value
