@@ -131,15 +131,8 @@ class FilmAnswer(ShownByRules):
             yield f"surge line {place}", *(f"{self.words.said(frequency(two), 5)}, damping {ratio(two)}" for two in pair if two)  # fmt: skip
 
     def tables(self) -> Mapping[str, TextTable]:
-        """All peaks and surge lines, by the columns that JSON and CSV have; a model next to the peaks."""
-        columns, model = PEAK_COLUMNS, self.model
-        if model is not None:
-            modelled = RowColumn("model", None, lambda peak: float(model.peaks[peak.coil - 1]), quantity=LENGTH)  # fmt: skip
-            columns = [*columns, modelled]
-        return {
-            "peaks": table_of("Peaks along the spring", columns, self.motion.peaks, self.words),
-            "surge": table_of("Surge lines", LINE_COLUMNS, self.facts.lines, self.words)
-        }  # fmt: skip
+        """All surge lines, by the columns that JSON has; all peaks are in ``peaks.csv``."""
+        return {"surge": table_of("Surge lines", LINE_COLUMNS, self.facts.lines, self.words)}
 
     def write(self, folder: Path) -> list[Path]:
         """``displacement-coil-N.csv`` (measured cycles), ``peaks.csv``, ``tracks.csv`` and, with a
