@@ -227,7 +227,7 @@ def test_typed_events_are_drawn_and_go_on_as_an_engine(tmp_path, monkeypatch):
     events = "IVO 5 before top, IVC 32.5 after bottom"
     data = json.loads(invoke("lift", "--events", events, "--output", "page", "--json").stdout)
     bar = data_of((tmp_path / "page/report.html").read_text(encoding="utf-8"))["data-events"]["data"]  # fmt: skip
-    assert bar[0]["text"] == ["-5°", "intake", "212.5°"] and len(bar) == 1
+    assert bar[0]["text"] == ["-5° to 212.5°"] and len(bar) == 1
     step = shlex.split(data["findings"][0]["step"])
     assert step[step.index("--duration") + 1 :: 2] == ["217.5 deg", "103.75 deg"]
     assert invoke(*step[1:]).exit_code == 0

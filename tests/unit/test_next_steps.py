@@ -23,6 +23,7 @@ FIELDS = {
     "test": "test.csv", "shared": "spring.damping", "ratio": "0.02", "value": "400 Hz", "speed": "6600 rpm", "command": "run",
     "remedy": "", "message": "", "pair": "runs/a runs/b", "step": "", "again": "lobe.dat --draws 8", "template": "pushrod",
     "speeds": " --rpm 6600rpm", "beyond": "7000:8000:250", "first": "6500", "red": "6800", "reach": "3000-6800 rpm", "set": "stock",
+    "onward": "run engine.toml", "intake": "--duration '217.5 deg' --lobe-centre '103.75 deg'",
     "march": "7000:7500:10 rpm",
 }  # fmt: skip
 STEPS = sorted(
