@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import compress, cycle
+from itertools import cycle
 
 import numpy as np
 import plotly.graph_objects as go
@@ -81,14 +81,9 @@ class LiftAnswer(ShownByRules):
     def lines(self) -> list[Line]:
         """Figures of the lobes with their 95 % intervals, noise, both lobes together, and the case."""
         lobes, worst = self.facts.lobes, map(self._spread, self.facts.worst)
-        probed = [one.measured.form != "case" for one in lobes]
-        noise = (
-            self.words.amount(Amount("lift", one.smoothed.noise), 2)
-            for one in compress(lobes, probed)
-        )
-        off = (
-            f"{one.off.size} of {one.smoothed.residuals.size}" for one in compress(lobes, probed)
-        )
+        probed = [one for one in lobes if one.measured.form != "case"]
+        noise = (self.words.amount(Amount("lift", one.smoothed.noise), 2) for one in probed)
+        off = (f"{one.off.size} of {one.smoothed.residuals.size}" for one in probed)
         rows = [
             *(Line(label, tuple(cells)) for name, label, *cells in self._figures() if name.startswith(ROWS)),
             self._line("noise of a station", "station_noise_lift", *noise),
