@@ -50,6 +50,8 @@ RUNS: dict[str, tuple[dict[str, Prior], list[Datum], Callable, Search]] = {
     "both": (BOTH, [SEAT, OPEN, SURGE], spring, Search()),
     "as many": (BOTH, [SEAT, SURGE], spring, Search()),
     "one": (RATE, [SEAT, OPEN], spring, Search()),
+    "wide": ({"rate": Prior("log-uniform", 2e3, 2e6)}, [replace(SEAT, scatter=90.0)], spring, Search()),
+    "narrow": ({"rate": Prior("log-uniform", 2e3, 2e6)}, [SEAT, OPEN], spring, Search()),
     "open": (BOTH, [SEAT, OPEN, replace(SURGE, scatter=900.0)], spring, Search()),
     "tied": (TWINS, [replace(SEAT, value=320.0), replace(OPEN, value=777.0)], in_parallel, Search()),
     "bound": ({"rate": Prior("uniform", 20e3, 39.8e3)}, [SEAT, OPEN], spring, Search()),
@@ -119,6 +121,14 @@ def test_what_cannot_be_told_apart_is_no_number() -> None:
     rows = found.lines[:2]
     assert all(row.mark == "warn" and not any(char.isdigit() for char in row.cells[1]) for row in rows)  # fmt: skip
     assert {row.remark.rpartition("with ")[2] for row in rows} == {"outer rate", "inner rate"}
+
+
+def test_a_range_of_more_than_a_factor_of_two_determines_nothing() -> None:
+    wide, narrow = run("wide").branches[0], run("narrow").branches[0]
+    assert wide.information.determined[0] > 0.9  # the prior spans a factor of a thousand
+    assert answer("wide").findings.codes[0] == "I103"
+    assert answer("narrow").findings.codes[0] == "I106"
+    assert narrow.quantities["rate"].high < 2 * narrow.quantities["rate"].low
 
 
 def test_rows_of_unknowns_and_data() -> None:

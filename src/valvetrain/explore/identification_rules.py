@@ -21,6 +21,8 @@ from valvetrain.findings.words import digits_text, joined
 State = Literal["determined", "tied", "open", "bound"]
 #: Share of the prior's variance that the data must remove of an unknown that they determine.
 LEARNED = 0.5
+#: Ratio of the ends of a 95 % interval above which an unknown with a logarithmic prior is not determined.
+WIDE = 2.0
 #: Percentiles (0 to 100) between which a measured value lies that agrees with its prediction.
 ODD = (2.5, 97.5)
 
@@ -71,7 +73,13 @@ class IdentificationFacts(Subject):
             return "bound"
         if self.partners(place):
             return "tied"
-        return "determined" if self.first.information.determined[place] >= LEARNED else "open"
+        vague = self.first.information.determined[place] < LEARNED or self.wide(one)
+        return "open" if vague else "determined"
+
+    def wide(self, one: Varied) -> bool:
+        """Whether the 95 % interval of an unknown with a logarithmic prior spans more than a factor of two."""
+        interval = self.first.quantities[one.title]
+        return one.prior.logarithmic and interval.high > WIDE * interval.low
 
     def partners(self, place: int) -> list[str]:
         """Names of the unknowns with which the one at ``place`` can only be told together."""
@@ -128,10 +136,10 @@ def refused(facts: IdentificationFacts) -> Hits:
 
 
 def undetermined(facts: IdentificationFacts) -> Hits:
-    """Data that remove less than half of the variance of a prior, or show a combination of unknowns alone."""
+    """Data that leave half of a prior's variance or a factor of two, or show a combination of unknowns alone."""
     if vague := facts.those("tied", "open"):
         names = "any unknown" if len(vague) == len(facts.states) else few(vague)
-        why = "only combinations show" if facts.those("tied") else "most of the prior is left"
+        why = "only combinations show" if facts.those("tied") else "their range is too wide"
         yield Hit(fields={"names": names, "why": why, "first": vague[0]})
 
 
