@@ -73,13 +73,10 @@ class IdentificationFacts(Subject):
             return "bound"
         if self.partners(place):
             return "tied"
-        vague = self.first.information.determined[place] < LEARNED or self.wide(one)
-        return "open" if vague else "determined"
-
-    def wide(self, one: Varied) -> bool:
-        """Whether the 95 % interval of an unknown with a logarithmic prior spans more than a factor of two."""
         interval = self.first.quantities[one.title]
-        return one.prior.logarithmic and interval.high > WIDE * interval.low
+        wide = one.prior.logarithmic and interval.high > WIDE * interval.low
+        vague = self.first.information.determined[place] < LEARNED or wide
+        return "open" if vague else "determined"
 
     def partners(self, place: int) -> list[str]:
         """Names of the unknowns with which the one at ``place`` can only be told together."""
@@ -139,7 +136,7 @@ def undetermined(facts: IdentificationFacts) -> Hits:
     """Data that leave half of a prior's variance or a factor of two, or show a combination of unknowns alone."""
     if vague := facts.those("tied", "open"):
         names = "any unknown" if len(vague) == len(facts.states) else few(vague)
-        why = "only combinations show" if facts.those("tied") else "their range is too wide"
+        why = "only combinations show" if facts.those("tied") else "the range is too wide"
         yield Hit(fields={"names": names, "why": why, "first": vague[0]})
 
 
