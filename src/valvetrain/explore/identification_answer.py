@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.arrays import Array
 from valvetrain.explore.identification_rules import (
     RULES,
     IdentificationFacts,
@@ -22,7 +21,7 @@ from valvetrain.explore.identification_rules import (
 from valvetrain.explore.identified import Branch, Identified, Predicted, si_unit
 from valvetrain.explore.least_squares import MET
 from valvetrain.explore.results import ExploreAnswer, Write, fields_of, value_text
-from valvetrain.explore.study_answer import named_rows
+from valvetrain.explore.study_answer import rows_figure
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import joined
 from valvetrain.solution.atomic import write_text
@@ -189,20 +188,6 @@ class IdentificationAnswer(ExploreAnswer):
 def _numbers(unit: str, one: Any) -> tuple[str, str]:
     """The likeliest value of an unknown or a number and its 95 % interval in five digits."""
     return value_text(unit, one.best, digits=5), value_text(unit, one.low, one.high, digits=5)
-
-
-def rows_figure(names: Sequence[str], at: Array, colours: list[str], title: str, ends: tuple[float, float]) -> go.Figure:  # fmt: skip
-    """A dot with its bar in each row, and the start; ``at`` (rows, 4): value, low, high, start, cut off at the ``ends``."""
-    names = [one if len(one) < 40 else f"{one[:18]} … {one[-18:]}" for one in names]
-    best, low, high, start = np.clip(at, *ends).T
-    bars = {"array": high - best, "arrayminus": best - low, "color": "#a9c4e4", "thickness": 5, "width": 0}  # fmt: skip
-    stroke = {"color": OTHER, "size": 12, "symbol": "line-ns-open", "line": {"width": 2}}
-    looks = {"start": stroke, "identified": {"color": colours, "size": 11}}
-    fig = go.Figure([
-        go.Scatter(x=x, y=names, name=name, mode="markers", marker=looks[name], error_x=error, hovertemplate="%{y}: %{x:.3~g}")
-        for name, x, error in (("start", start, None), ("identified", best, bars))
-    ])  # fmt: skip
-    return named_rows(fig, title, names).update_xaxes(range=ends)
 
 
 def unknowns(facts: IdentificationFacts) -> go.Figure:

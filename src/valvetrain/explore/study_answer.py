@@ -255,7 +255,8 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
     _mark(fig, facts, name, x, y)
     styled(fig, title, (_axis(name),), 400)
     if facts.listed and len(facts.designs) == len(facts.draws) <= POINTS:
-        names = [_short(facts.label(k), k) for k in range(len(facts.designs))]
+        labels = [facts.label(k) for k in range(len(facts.designs))]
+        names = [one if len(one) <= LETTERS else f"point {k + 1}" for k, one in enumerate(labels)]
         fig.update_xaxes(tickvals=np.unique(x), ticktext=names, automargin=True)
     return fig
 
@@ -281,15 +282,22 @@ def _series(facts: StudyFacts) -> dict[str, NDArray[np.intp]]:
     return {run.label * (count > 1): table.rows_of(run) for run in table.plan.runs}
 
 
-def _short(label: str, place: int) -> str:
-    return label if len(label) <= LETTERS else f"point {place + 1}"
-
-
-def named_rows(fig: go.Figure, x: str, names: Sequence[str]) -> go.Figure:
-    """A figure whose rows have names, from the top."""
-    styled(fig, x, ("",), 125 + 28 * len(names))
+def rows_figure(names: Sequence[str], at: Array, colours: list[str], title: str, ends: tuple[float, float]) -> go.Figure:  # fmt: skip
+    """A dot with its bar in each row, from the top; ``at`` (rows, 3 or 4): value, low, high and, where there is one, the start,
+    cut off at the ``ends``.
+    """
+    names = [one if len(one) <= LETTERS else f"{one[:18]} … {one[-18:]}" for one in names]
+    best, low, high, *start = np.clip(at, *ends).T
+    bars = {"array": high - best, "arrayminus": best - low, "color": "#a9c4e4", "thickness": 5, "width": 0}  # fmt: skip
+    stroke = {"color": OTHER, "size": 12, "symbol": "line-ns-open", "line": {"width": 2}}
+    dots = {"color": colours, "size": 11}
+    fig = go.Figure([
+        go.Scatter(x=x, y=names, name=name, mode="markers", marker=marker, error_x=error, hovertemplate="%{y}: %{x:.3~g}")
+        for name, x, marker, error in (*(("start", one, stroke, None) for one in start), ("identified" if start else "", best, dots, bars))
+    ])  # fmt: skip
+    styled(fig, title, ("",), 125 + 28 * len(names))
     fig.update_layout(hovermode="closest", margin={"l": max(110, 7 * max(map(len, names)) + 20)})
-    return fig.update_yaxes(autorange="reversed", dtick=1)
+    return fig.update_yaxes(autorange="reversed", dtick=1).update_xaxes(range=ends)
 
 
 def _map(facts: StudyFacts, name: str) -> go.Figure:
@@ -308,11 +316,6 @@ def _effects(facts: StudyFacts, name: str) -> go.Figure | None:
     effects = facts.effects(name)
     if not effects:
         return None
-    shares, low, high = 100 * np.clip([(one.share, one.low, one.high) for one in effects], 0, 1.2).T
-    names = [_short(one.varied.shown_name, k) for k, one in enumerate(effects)]
-    fig = go.Figure(go.Scatter(
-        x=shares, y=names, mode="markers", hovertemplate="%{x:.2~g} %",
-        marker={"color": LEAD, "size": 11}, error_x={"symmetric": False, "array": high - shares, "arrayminus": shares - low, "color": OTHER},
-    ))  # fmt: skip
-    fig.update_xaxes(range=[-3, max(103.0, float(high.max()) + 3)])
-    return named_rows(fig, "share of the variance, %", names)
+    at = 100 * np.clip([(one.share, one.low, one.high) for one in effects], 0, 1.2)
+    names = [one.varied.shown_name for one in effects]
+    return rows_figure(names, at, [LEAD] * len(at), "share of the variance, %", (-3, max(103.0, float(at.max()) + 3)))  # fmt: skip
