@@ -177,12 +177,10 @@ def _timed(facts: LiftFacts) -> go.Figure | None:
         textposition="inside",
         insidetextanchor="middle",
     )
-    fig = panels((1.0,)).add_trace(bars)
-    for at, word in ((-180, "bottom"), (0, "top"), (180, "bottom")):
-        fig.add_vline(at, line={"color": OTHER, "width": 1, "dash": "dot"}, annotation_text=word)
-    styled(fig, "crank angle, deg (0: top dead centre)", ("",), 240)
-    fig.update_yaxes(range=[-0.5, len(valves)])
-    return fig.update_xaxes(dtick=90, range=[-300, 300])
+    fig = styled(panels((1.0,)).add_trace(bars), "crank angle, deg", ("",), 240)
+    fig.update_yaxes(automargin=True)
+    ends = ["−180, bottom", "0, top", "180, bottom"]
+    return fig.update_xaxes(tickvals=[-180, 0, 180], ticktext=ends, range=[-300, 300])
 
 
 def _curves(facts: LiftFacts, *derivatives: int) -> go.Figure | None:
