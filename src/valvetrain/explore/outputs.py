@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest, is_at_rest
-from valvetrain.runs.cost import RunRequest
+from valvetrain.runs.cost import RunRequest, planned
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import (
     definition_of,
@@ -268,16 +268,9 @@ class Outputs:
         return tuple(itertools.starmap(Run, itertools.product(speeds, *named)))
 
 
-def has_pair(case: Case, runs: Sequence[Run]) -> bool:
-    """Whether a run of a train uses two springs, whose quantities have the name of each in front."""
-    springs = case.train.springs if case.train is not None else {}
-    used = [springs.get(one[2], ()) if one[2] else next(iter(springs.values()), ()) for one in runs]
-    return any(len(one) > 1 for one in used)
-
-
 def missing_text(name: str, case: Case | None, runs: Sequence[Run]) -> str:
     """Why the ``runs`` of a case do not give a quantity."""
-    pair = case is not None and has_pair(case, runs)
+    pair = case is not None and any(len(planned(one.request(case))[0][1]) > 1 for one in runs)
     return not_given(name, of_pair(name) if pair else ())
 
 
