@@ -223,6 +223,16 @@ def test_the_edge_of_the_flat_part_is_that_of_the_function():
     assert one.fields["reference"].value == pytest.approx(0.56, abs=1e-5)
 
 
+def test_the_case_is_the_design_with_its_value_and_not_the_one_with_zero():
+    """A grid with 0 in it named that design the case, whatever the case has (7 mm here)."""
+    for values, place in (("0, 5, 7, 9", 2), ("0, 5, 9", None)):
+        lengths = tuple(float(one) * 1e-3 for one in values.split(","))
+        one = Space([Varied("spring.precompression", "mm", distribution=Values(lengths))])
+        experiment = Evaluation("job-c", one, Outputs("preload", rest_model="massless"))
+        facts = StudyFacts(run_experiment(experiment, sampler("grid"), {}, workers=1))
+        assert facts.ends.get("case") == place
+
+
 def test_zero_lash_is_no_choice():
     best = StudyFacts(along_lash(lambda lash, width: {"seating_velocity": lash, "clash_energy": 1.0})).ends  # fmt: skip
     assert best["best"] == 0  # a function has no lash of a train

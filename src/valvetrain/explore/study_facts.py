@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -188,14 +189,10 @@ class StudyFacts(Subject):
             found["first"] = 0
         elif plan.sampler.word == "grid" and plan.case is not None and self.along:
             at = self.draws[[one[0] for one in self.designs]][:, self.along]
-            there = at[:, 0] == 0 if len(self.along) == 1 else np.zeros(len(at), dtype=bool)
-            try:
+            with suppress(InputError):  # a list of numbers, which no single value is
                 case = [nominal(plan.case, plan.varied[k]) for k in self.along]
-                there = there if there.any() else np.isclose(at, case, rtol=1e-9, atol=0).all(1)
-            except InputError:  # a list of numbers, which no single value is
-                pass
-            places = np.flatnonzero(there & np.isfinite(values))
-            found |= {"case": int(places[0])} if len(places) else {}
+                there = np.isclose(at, case, rtol=1e-9, atol=0).all(1) & np.isfinite(values)
+                found |= {"case": int(there.argmax())} if there.any() else {}
         return found | {"worst" if sign else "largest": int(np.nanargmin(order))}
 
     def bar(self, name: str) -> float:
