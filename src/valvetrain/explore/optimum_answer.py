@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -30,10 +30,6 @@ from valvetrain.views.json import uncertainty_object
 from valvetrain.views.style import LEAD, OK, OTHER, FigureSpec, panels, styled
 from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings as findings_table
-
-if TYPE_CHECKING:
-    from valvetrain.views.style import FigureSpec
-
 
 #: Rows of the first table, and designs of a front that are listed; case file of the best design.
 ROWS, DESIGNS, BEST = 12, 40, "best.toml"

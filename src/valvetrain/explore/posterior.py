@@ -150,10 +150,6 @@ class Posterior:
         """Logarithm of the prior density (n) over working coordinates."""
         return np.asarray(np.sum(self.each("log_density", work), axis=1))
 
-    def pulls(self, work: Array) -> Array:
-        """Scaled deviations (n, quantities) of points from the priors, which least squares add."""
-        return self.each("pull", work)
-
     def outcomes(self, work: Array) -> list[Numbers]:
         """What is computed at points (n, quantities); None of those outside the bounds, which are
         not computed.
@@ -175,7 +171,7 @@ class Posterior:
 
     def misses(self, work: Array) -> Array:
         """Scaled misses (n, data and quantities) of the used data and from the priors."""
-        return np.hstack([self.residuals(self.outcomes(work)), self.pulls(work)])
+        return np.hstack([self.residuals(self.outcomes(work)), self.each("pull", work)])
 
     def log_likelihood(self, work: Array) -> Array:
         """Logarithm of the likelihood (n) of the used data, minus infinity where a point is

@@ -169,7 +169,7 @@ def optimise(
     Returns
     -------
     Optimum with every trial in SI, the case itself as trial 0, the best design or the front of
-    several objectives, sensitivities at the best, and its numbers by other models
+    several objectives, and the numbers of the best by other models
 
     Raises
     ------
