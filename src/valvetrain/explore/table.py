@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.engine import Plan
 from valvetrain.explore.evaluate import doubts
 from valvetrain.explore.outputs import Run, missing_text
-from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
+from valvetrain.explore.samplers import SamplerOptions, SamplerSpec, Sensitivity
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.display import Reported, frame_of, verdict_first
 from valvetrain.solution.status import Status
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from valvetrain.explore.samplers import Sensitivity
     from valvetrain.solution.uncertainty import Uncertainty
 
 #: Rows of a study that get error bars.
