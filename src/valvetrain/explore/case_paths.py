@@ -162,10 +162,8 @@ def nominal(case: Case, varied: Varied) -> float:
     if varied.operation != "value":
         return 1.0 if varied.operation == "factor" else 0.0
     found, place = _entry(case, varied.key)
-    if place is not None:
-        return numbers_of(found, varied)[0][place]
-    if isinstance(found, str) and "," not in found:
-        return numbers_of(found, varied)[0][0]
+    if isinstance(found, str) and (place is not None or "," not in found):
+        return numbers_of(found, varied)[0][place or 0]
     if isinstance(found, (int, float)) and not isinstance(found, bool):
         return float(found)
     raise InputError(

@@ -71,8 +71,8 @@ def _amount(raw: Any) -> Any:
 
 
 def _amounts(raw: Any) -> Any:
-    if not isinstance(raw, (str, list)) or (
-        isinstance(raw, list) and not all(isinstance(one, (str, int, float)) for one in raw)
+    if not isinstance(raw, (str, list)) or not all(
+        isinstance(one, (str, int, float)) for one in raw
     ):
         raise problem("is no row of numbers; write such as '3.7, 3.8 mm' or [1, 2, 4]")
     return raw

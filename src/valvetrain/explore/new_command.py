@@ -218,13 +218,9 @@ def _written(name: str, text: str) -> Path:
     from valvetrain.solution.atomic import write_text
 
     stem = name.removesuffix(".toml")
-    if (
-        not stem.strip()
-        or Path(stem).name in ("", ".", "..")
-        or stem.endswith(("/", "/.", ".."))
-        or not stem.isprintable()
-        or len(Path(stem).name) > 80
-    ):
+    last = Path(stem).name
+    ends_as_folder = stem.endswith(("/", "/.", ".."))
+    if not last.strip() or ends_as_folder or not stem.isprintable() or len(last) > 80:
         raise InputError(f"'{name[:40]}' cannot be the name of a file; give such as my-spring")
     if stem in library_names():
         raise InputError(f"'{stem}' is a case of the library; choose another name")

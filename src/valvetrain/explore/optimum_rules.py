@@ -134,18 +134,13 @@ class SearchFacts(Subject):
             return ""
         cost = float(self.best.trial.costs[0])
         good = [
-            each
+            each.values[place]
             for each in self.result.trials
             if each.feasible and abs(each.costs[0] - cost) <= ALIKE * abs(cost)
         ]
-        low, high = (
-            float(end([each.values[place] for each in good])) for end in (np.nanmin, np.nanmax)
-        )
-        return (
-            value_text(one.unit, low, high)
-            if high - low >= OPEN * abs(np.subtract(*one.ends)) > 0
-            else ""
-        )
+        low, high = float(np.nanmin(good)), float(np.nanmax(good))
+        left_open = high - low >= OPEN * abs(np.subtract(*one.ends)) > 0
+        return value_text(one.unit, low, high) if left_open else ""
 
     @property
     def ends(self) -> list[int]:
