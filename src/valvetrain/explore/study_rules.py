@@ -103,24 +103,23 @@ def flat(facts: StudyFacts) -> Hits:
         return
     name, varied = facts.outputs[0], facts.table.plan.varied[facts.along[0]]
     order = facts.order[np.isfinite(facts.judged(name)[facts.order])]
-    places, good = (
-        facts.draws[[facts.designs[k][0] for k in order], facts.along[0]],
-        facts.sign(name) * facts.judged(name)[order],
-    )
+    good = facts.sign(name) * facts.judged(name)[order]
     if len(order) < FEWEST or not np.ptp(good) > 0:
         return
     near = good.max() - good <= FLAT * np.ptp(good)
     if near[0] == near[-1]:  # both ends are good, or the best is between
         return
-    count, step = int(near.sum()), 1 if near[0] else -1
-    edge, beyond = (count - 1, count) if step > 0 else (len(near) - count, len(near) - count - 1)
-    begin = 0 if step > 0 else -1
-    wide = abs(places[edge] - places[begin]) >= WIDE * np.ptp(places)
-    if wide and not near[beyond::step].any():
+    side = "up to" if near[0] else "from"
+    if near[-1]:  # the flat part first
+        order, good, near = order[::-1], good[::-1], near[::-1]
+    places = facts.draws[[facts.designs[k][0] for k in order], facts.along[0]]
+    count = int(near.sum())
+    wide = abs(places[count - 1] - places[0]) >= WIDE * np.ptp(places)
+    if wide and not near[count:].any():
         bound = facts.sign(name) * good[near].min()
         yield Hit(facts.amount(name, bound), fields={
-            **_chosen(facts, name, int(order[edge]), int(order[beyond])), "side": "up to" if step > 0 else "from",
-            "next": varied.value_text(float(places[beyond]), 4),
+            **_chosen(facts, name, int(order[count - 1]), int(order[count])), "side": side,
+            "next": varied.value_text(float(places[count]), 4),
         })  # fmt: skip
 
 
