@@ -46,7 +46,7 @@ def imperial():
         ("mm", "millimeter", "in", "inch"),
         ("N/mm", "newton / millimeter", "lbf/in", "force_pound / inch"),
         ("MPa", "megapascal", "ksi", "kip_per_square_inch"),
-        ("m/s", "meter / second", "in/s", "inch / second"),
+        ("m/s", "meter / second", "ft/s", "foot / second"),
         ("m/s2", "meter / second**2", "in/s^2", "inch / second**2"),
         ("N m", "newton * meter", "lbf in", "force_pound * inch"),
         ("mJ", "millijoule", "lbf in", "force_pound * inch"),

@@ -16,6 +16,7 @@ from valvetrain.parameters.toml_text import inline
 from valvetrain.runs.api import simulate
 from valvetrain.runs.static_study import curve_by_model
 from valvetrain.units import to_unit
+from valvetrain.units.reader import system_of
 
 #: What people change, by its key in a table of the springs or at the top of the case.
 OF_SPRING = {
@@ -39,8 +40,8 @@ OF_TRAIN = {
 }
 #: Engine speeds of a study of lash, as shares of the highest one in use.
 SHARES = (0.6, 0.8, 1.0)
-#: Lashes that are tried, over that of the case or (mm) a usual one; step down to a speed at which no contact is lost.
-LASHES, USUAL_LASH, SLOWER = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 0.2, 0.9
+#: Lashes that are tried, over that of the case or (m) a usual one; step down to a speed at which no contact is lost.
+LASHES, USUAL_LASH, SLOWER = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5), 2e-4, 0.9
 _MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
 
 
@@ -125,7 +126,8 @@ def _lash(case: Case, name: str) -> str:
         top *= SLOWER
     kept = f"; up to {top:.0f} rpm the valve follows its cam" if top < in_use else ""
     speeds = ", ".join(f"{share * top:.0f}" for share in SHARES)
-    usual = to_unit(case.train.lash, "mm") or USUAL_LASH
+    unit = "in" if system_of(case.text) == "imperial" else "mm"
+    usual = to_unit(case.train.lash or USUAL_LASH, unit)
     lashes = ", ".join(f"{share * usual:.4g}" for share in LASHES)
     return f"""# Where does the valve land, and how fast, over lash? The worst of the engine speeds counts{kept}.
 #
@@ -141,7 +143,7 @@ values = "{speeds} rpm"
 
 [[vary]]
 key = "train.lash"
-values = "{lashes} mm"
+values = "{lashes} {unit}"
 label = "lash"
 """
 

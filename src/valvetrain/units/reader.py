@@ -19,7 +19,7 @@ _POUNDS = re.compile(r"""=\s*(\{\s*value\s*=\s*)?["'][^"']*\blbf""")
 #: Dimension -> unit of readers of inches and pounds; masses of valve gear are weighed in grams there too.
 IMPERIAL = {
     "length": "in", "force": "lbf", "stiffness": "lbf/in", "pressure": "ksi", "modulus": "ksi", "moment": "lbf in", "energy": "lbf in",
-    "impulse": "lbf s", "velocity": "in/s", "acceleration": "in/s^2", "cam velocity": "in/deg", "cam acceleration": "in/deg^2",
+    "impulse": "lbf s", "velocity": "ft/s", "acceleration": "in/s^2", "cam velocity": "in/deg", "cam acceleration": "in/deg^2",
     "power": "hp", "line stiffness": "ksi",
 }  # fmt: skip
 #: Numbers of prose that share the metric unit behind them: "72 N", "537 to 611 N", "−3 ± 0.2 mm".
@@ -115,7 +115,7 @@ def reader_text(text: str) -> str:
     >>> request_units("imperial")
     >>> with for_reader():
     ...     reader_text("rate 41.4 N/mm, 72 N at 6593 rpm (1.33 m/s), 537 to 611 N")
-    'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (52.36 in/s), 120.7 to 137.4 lbf'
+    'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (4.364 ft/s), 120.7 to 137.4 lbf'
     >>> request_units("")
     """
     if _SHOWN.get() == "si":
