@@ -60,6 +60,9 @@ WAYS: dict[str, tuple[str, tuple[str, ...]]] = {
     "median": ("factor", ("lognormal",)),
     "low": ("high", ("uniform", "log-uniform")),
 }
+#: Keys that say values, and those that may stand beside a way.
+SAYING = {*WAYS, "high", "standard_deviation", "factor", "shape"}
+BESIDE = {"mean": {"low", "high"}, "median": {"low", "high"}, "tolerance": {"shape"}}
 
 
 def _amount(raw: Any) -> Any:
@@ -139,8 +142,8 @@ class VaryModel(StrictModel):
 
     @cached_property
     def way(self) -> str:
-        """The key of :data:`WAYS` by which values are given. Raises a located problem for none, or
-        several.
+        """The key of :data:`WAYS` by which values are given. Raises a located problem for none, for
+        several, or for a key that would be left unread.
         """
         given = [key for key in WAYS if getattr(self, key) is not None]
         ways = [key for key in given if key != "low"] or given  # others may have bounds
@@ -152,6 +155,9 @@ class VaryModel(StrictModel):
         partner, names = WAYS[ways[0]]
         if getattr(self, partner) is None:
             raise problem(f"'{partner}' is missing; add it", (partner,))
+        fitting = {ways[0], partner} | BESIDE.get(ways[0], set())
+        if stray := (SAYING & self.model_fields_set) - fitting:
+            raise problem(f"does not go with '{ways[0]}'; leave one of them out", (min(stray),))
         if self.distribution not in ("", *names):
             raise problem(
                 f"does not fit the other keys, which give {' or '.join(names)}", ("distribution",)
