@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.findings.words import Amount, Words
+from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.summary import amount
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.definition import definition_of, shown, tables
@@ -152,3 +153,14 @@ def test_check_in_units_of_the_case_of_the_flag_and_of_the_environment(tmp_path,
     assert as_json["quantities"]["card_rate"]["unit"] == "N/m"
     assert as_json["findings"][0]["fields"]["left"]["value"]["unit"] == "m"
     assert check(path, "--units", "stones").exit_code == 2
+
+
+def test_the_workbench_says_the_first_sentence_in_units_of_the_case():
+    """Contract: a case in pounds was greeted in newtons."""
+    pytest.importorskip("nicegui")
+    from valvetrain.workbench.pages.case_page import first_said
+
+    in_pounds = first_said(load_case("template:pushrod"))
+    assert "lbf" in in_pounds and " N " not in in_pounds
+    request_units("")
+    assert "lbf" not in first_said(load_case("template:bucket"))

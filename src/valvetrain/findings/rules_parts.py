@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from valvetrain.findings.engine import Fields, Hit, Hits, Rule, Subject
-from valvetrain.findings.words import Amount, about, digits_text, speed_text
+from valvetrain.findings.words import Amount, about, speed_text
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.part_ranking import PartChange, PartRanking
 
@@ -24,13 +24,17 @@ class PartFacts(Subject):
 
 def gain_text(change: PartChange) -> str:
     """What a part gains (rpm), with a sign."""
-    return f"{'+' * (change.gain > 0)}{digits_text(change.gain / RPM, 0, 2)}"
+    return _signed(change.gain)
 
 
 def range_text(change: PartChange) -> str:
     """The least and largest gain (rpm) where they differ: ``+450 to +500``."""
-    ends = [f"{round(one / RPM):+d}".replace("-", "−") for one in (change.least_gain, change.largest_gain)]  # fmt: skip
+    ends = [_signed(one) for one in (change.least_gain, change.largest_gain)]
     return "" if ends[0] == ends[1] else " to ".join(ends)
+
+
+def _signed(engine_speed: float) -> str:
+    return f"{round(engine_speed / RPM):+d}".replace("-", "−")
 
 
 def reached_text(engine_speed: float, ranking: PartRanking) -> str:

@@ -44,11 +44,6 @@ def settling_revolutions(rod: FiniteElementRod | SolidModel, cam_speed: float) -
     return int(np.clip(np.ceil(revolutions), *PERIODIC_CYCLES))
 
 
-def _pulled(made: RodTransient) -> bool:
-    """Whether an end that is not bonded pulled in a run."""
-    return bool(min(made.seat_force.min(), made.retainer_force.min()) < 0.0)
-
-
 @dataclass(frozen=True)
 class RodLeapfrog:
     """Second order. A run that diverges is repeated once with half the step; when that fails too,
@@ -110,7 +105,8 @@ class RodLeapfrog:
                 step, halved = made.time_step / 2, True
 
         made, retried = simulated()
-        if not (rod.pulls or rod.lifting) and _pulled(made):
+        least = min(made.seat_force.min(), made.retainer_force.min())
+        if not (rod.pulls or rod.lifting) and least < 0.0:  # an end that is not bonded pulled
             model = replace(rod, lifting=True)
             made, retried = simulated()
         if retried:

@@ -202,7 +202,10 @@ def refined(
         by_run.setdefault((job.engine_speed, job.member), {})[job.variant] = result.numbers
         failures += [result.failure] if result.failure else []
     missing = {(one.engine_speed, one.member) for one in (*jobs, *further) if one not in results}
-    elements = () if train else _elements(ready[OWN][0])
+    elements: tuple[int, ...] = ()
+    if not train:
+        of_case = rods_of(ready[OWN][0])[0].elements_per_coil
+        elements = (of_case, *(round(of_case * factor) for factor in DIVISION))
     rows = list(_rows(at_rest, None, "", elements)) if len(prepared) == len(variants) else []
     for (speed, index), numbers_of in by_run.items():
         if (speed, index) not in missing:
@@ -260,12 +263,6 @@ def _stage(
             progress(begin + (end - begin) * done / total, f"{name}, {done} of {total}")
 
     return tell
-
-
-def _elements(prepared: PreparedRun) -> tuple[int, ...]:
-    """Elements per coil of the three meshes of springs alone."""
-    own = rods_of(prepared)[0].elements_per_coil
-    return (own, *(round(own * factor) for factor in DIVISION))
 
 
 def _further(job: _Job, ready: Mapping[str, Mapping[int, PreparedRun]]) -> Iterator[_Job]:

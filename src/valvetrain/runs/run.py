@@ -85,13 +85,6 @@ def sweep_study(request: Sweep, watch: Watch = Watch()) -> Study:
     return study if request.requested is None else request.requested.of_study(study)
 
 
-def _unsearched(problem: Problem, found: CriticalSpeeds, begun: bool) -> str:
-    """Which critical speeds a stopped sweep has not computed."""
-    labels = [one.label for one in problem.members if one.label not in found.labels]
-    whose = "" if not begun or len(problem.members) == 1 else f" of {' and '.join(labels)}"
-    return f"{INTERRUPTED}: critical speeds{whose} not computed"
-
-
 def _with_critical(study: Study) -> Study:
     """The study with its critical speeds among the numbers of no single run."""
     if not study.critical_speeds.labels:
@@ -268,7 +261,10 @@ def _searched(work: _Work, ready: tuple[PreparedRun, ...], computed: _Computed) 
         except RunFailedError as error:
             work.failures.add(f"critical speeds: {reason(error)}")
     if computed.stopped:
-        work.failures.add(_unsearched(work.problem, computed.critical, begun))
+        members = work.problem.members
+        labels = [one.label for one in members if one.label not in computed.critical.labels]
+        whose = f" of {' and '.join(labels)}" if begun and len(members) > 1 else ""
+        work.failures.add(f"{INTERRUPTED}: critical speeds{whose} not computed")
     return computed
 
 

@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from valvetrain.cli.cases import first_answer
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.case import Case
+from valvetrain.units.reader import follow_case, for_reader
 from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveChain
@@ -76,8 +77,10 @@ def current_text(desk: Desk, case: CaseId) -> tuple[str, Case]:
 
 def first_said(case: Case) -> str:
     """What is said of a case that has not run yet: what ``check`` says, or what is wrong with it."""
+    follow_case(case.text)
     try:
-        return first_answer(case)
+        with for_reader():
+            return first_answer(case)
     except ValvetrainError as error:
         return sentence_of(error)
 
