@@ -139,7 +139,7 @@ def watched(bench: Bench) -> Iterator[Any]:
     made = bench.page(seen=seen)
     yield made
     made.context.close()
-    assert seen == []
+    assert seen == [], seen
 
 
 def open_case(bench: Bench, page: Any, case: str = CASE) -> None:
