@@ -101,13 +101,12 @@ def check(request: Check, line: SavedLine, folder: Path) -> None:
         chosen, quantities | cam, gear_of(problem), problem is not None, called_case()
     )
     law = None if chosen.lift_law is None else lift_law_of(chosen)
-    rigid = rigid_at_top(chosen, problem)
     named = {one.name: state for one, state in loads.items()}
 
     def answer() -> CaseAnswer:
         with for_reader():
             said = case_facts(chosen, loads)
-        return CaseAnswer(facts, said, named, durations, law, rigid)
+        return CaseAnswer(facts, said, named, durations, law, rigid_at_top(chosen, problem))
 
     data: dict[str, Any] = {
         "command": "check", "case": chosen.name, "title": chosen.title,

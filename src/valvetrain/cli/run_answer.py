@@ -225,23 +225,26 @@ def keep_run(
     if request.output is not None:
         folder = request.output
     elif begun.folder is not None:
-        part = "folder of the run"
-        folder = missing.part(part, begun.folder, finish_folder, begun.folder, *stem)
+        folder = missing.part("folder of the run", begun.folder, finish_folder, begun.folder, *stem)
     else:
         folder = new_folder(*stem)
     missing.part("mark of the unfinished run", None, begun.begin, folder)
     written = [path.relative_to(folder).as_posix() for path in write(folder)]
     origin = made_by or collect_provenance(request.case.name, "")
-    answer = plain(data) | {
-        "created_at": request.created_at.isoformat(),
-        "command_line": ["valvetrain", *sys.argv[1:]],
-        "files": written,
-        "versions": {
-            "valvetrain": origin.package_version,
-            "python": origin.python_version,
-            **origin.dependencies,
-        },
-    }
+    answer = (
+        {"completed": True}
+        | plain(data)
+        | {
+            "created_at": request.created_at.isoformat(),
+            "command_line": ["valvetrain", *sys.argv[1:]],
+            "files": written,
+            "versions": {
+                "valvetrain": origin.package_version,
+                "python": origin.python_version,
+                **origin.dependencies,
+            },
+        }
+    )
     if isinstance(request.case, Case):
         cut_off = {"value": request.case.operation.force_bandwidth, "unit": "Hz"}
         answer |= {DEFINITIONS: {FORCE: {"below": cut_off}}}

@@ -162,7 +162,7 @@ class SavedRun:
     @property
     def state(self) -> str:
         """How the run ended: ``completed``, ``failed`` or, by a signal, ``interrupted``."""
-        if self.answer.get("completed", True):
+        if self.answer.get("completed"):
             return "completed"
         statuses = (one.get("status") for one in self.answer.get("runs", ()))
         codes = [status.get("code") for status in statuses if isinstance(status, dict)]
