@@ -173,6 +173,22 @@ def test_the_spring_margin_is_that_of_a_mass_on_a_spring():
     )
 
 
+@pytest.mark.parametrize("cam_speed", [50.0, 250.0])
+def test_the_loads_needed_keep_a_fifth_of_inertia_and_no_more(cam_speed):
+    """A spring of the seat load and open load named has no surplus over 1.2 m a at its least, at a high speed at the
+    rate of the case, at a low one from none closed.
+    """
+    train = direct(gravity=(0.0, 0.0), cam=CamParameters(0.030), contacts=contacts())
+    system = TrainSystem(build_mechanism(train, LAW), (MasslessSpring(40e3, 300.0),))
+    found = margin_quantities(rigid_motion(system, train).table(cam_speed))
+    seat, full = found["needed_closed_spring_force"], found["needed_open_spring_force"]
+    angle = NOSE - np.linspace(0, 0.99 * FLANK / 2, 20001)
+    shares = -1.2 * 0.14 * LAW.lift(angle, 2) * cam_speed**2
+    surplus = seat + (full - seat) * LAW.lift(angle) / TOP - shares
+    assert np.min(surplus) == pytest.approx(0.0, abs=2e-3 * np.max(shares))
+    assert seat == 0 if cam_speed == 50 else full - seat == pytest.approx(40e3 * TOP)
+
+
 @pytest.mark.parametrize("model", ["massless", "modal-uniform", "multi-mass", "wave-rod"])
 @pytest.mark.parametrize("spring_set", ["card", "dual"])
 def test_the_margin_is_zero_at_the_float_speed_of_rigid_parts_whatever_spring_runs(

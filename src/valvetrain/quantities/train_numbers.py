@@ -116,8 +116,8 @@ def _open_spans(solution: Solution, events: Sequence[Event]) -> list[Span]:
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:
     """Minimum surplus of the spring over inertia, weight and gas at the valve with rigid parts (N) and its ratio; the loads
-    at which it is a fifth of the inertia force wherever the valve is slowed, by more preload at the same rate, and the rate
-    that does so at the same preload; empty for a table without these columns.
+    at which it is a fifth of the inertia force wherever the valve is slowed, at the same rate (none closed: at the least
+    rate), and the rate that does so at the same preload; empty for a table without these columns.
     """
     if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
         return {}
@@ -131,13 +131,16 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
     ratio = np.min(surplus / -inertia[slowing]) + 1
     lift = rigid["valve_lift"]
     closed, opened = float(spring[np.argmin(lift)]), float(spring[np.argmax(lift)])
-    lacks = (needed_force(rigid) - spring)[slowing]
-    more = float(np.max(lacks))
-    steeper = np.max((spring[slowing] + lacks - closed) / lift[slowing])
+    needed = needed_force(rigid)[slowing]
+    more = float(np.max(needed - spring[slowing]))
+    steeper = np.max((needed - closed) / lift[slowing])
+    full = opened + more
+    if closed + more < 0:  # no load closed is too much: the least rate from none
+        full = float(np.max(needed / lift[slowing]) * np.max(lift))
     return {
         "minimum_spring_margin_force": float(np.min(surplus)), "minimum_spring_margin_ratio": float(ratio),
         "open_spring_force": opened, "needed_closed_spring_force": max(closed + more, 0.0),
-        "needed_open_spring_force": opened + more, "needed_spring_rate": max(float(steeper), 0.0),
+        "needed_open_spring_force": full, "needed_spring_rate": max(float(steeper), 0.0),
     }  # fmt: skip
 
 

@@ -110,6 +110,11 @@ class CaseAnswer(ShownByRules):
         for label, place in (("closed", 0), ("full lift", 1)):
             texts.append((label, self._loads(place), ""))
         texts.append(("rate", self._rates(), "closed to full lift"))
+        if self.rigid is not None:
+            mass = self.rigid["reduced_mass"]
+            ends = (Amount("card_mass", float(one)) for one in (np.min(mass), np.max(mass)))
+            note = "at the valve, springs by a third"
+            texts.append(("moving mass", self.words.span(*ends), note))
         texts.append(self._needed())
         left = self.facts.left
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
@@ -224,8 +229,8 @@ class CaseAnswer(ShownByRules):
 
     def _force_figure(self) -> go.Figure | None:
         """Force (N) of the springs at rest over the cam angle (deg), what inertia needs, and 20 % more, with the least margin."""
-        rigid, spare = self.rigid, self.facts.spare
-        if rigid is None or spare is None:
+        rigid = self.rigid
+        if rigid is None:
             return None
         angle, have = np.degrees(rigid.cam_angle), rigid["spring_force"]
         inertia, asked = have - rigid["spring_margin"], needed_force(rigid)
@@ -235,8 +240,9 @@ class CaseAnswer(ShownByRules):
         fig.add_trace(line(angle, np.maximum(inertia, 0), "inertia alone", RIGID, "dash"))
         slowed = (rigid["valve_lift"] > 0) & (rigid["inertia_force"] < 0)
         at = int(np.argmax(np.where(slowed, asked - have, -np.inf)))
-        colour, word = (BAD, "short") if spare.value < 0 else (OK, "to spare")
-        text = f"{self.words.amount(Amount(NEEDED[1], abs(spare.value)))} {word}"
+        spare = float(have[at] - asked[at])
+        colour, word = (BAD, "short") if spare < 0 else (OK, "to spare")
+        text = f"{self.words.amount(Amount(NEEDED[1], abs(spare)))} {word}"
         margin = line(angle[[at, at]], [asked[at], have[at]], word, colour, text=["", text])
         fig.add_trace(margin.update(mode="lines+text", textposition="top center", showlegend=False))
         shown = angle[rigid["valve_lift"] > 0]
