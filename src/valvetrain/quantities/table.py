@@ -321,7 +321,8 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("open_spring_force", "spring load at full lift", "Force of all springs at rest at the largest rigid lift."),
     train("needed_closed_spring_force", "seat load needed", "Force of all springs with the valve closed with which they "
         "balance weight, gas and the inertia force plus 20 % at the valve, by rigid theory, at their own rate."),
-    train("needed_open_spring_force", "load at full lift needed", "Force of all springs at full lift with the seat load needed, at the least rate if that is none."),
+    train("needed_open_spring_force", "load at full lift needed",
+        "Force of all springs at full lift with the seat load needed, at the least rate where that is none."),
     train("needed_spring_rate", "rate needed", "Rate that gives the same at the seat load as it is, where that is enough at zero lift.",
         dimension="stiffness", shown_unit="N/mm"),
     train("{spring}_mean_peak_section_displacement", "mean peak motion of the coils ({spring})",
