@@ -45,14 +45,13 @@ def does(row: CriticalSpeed) -> Phrase:
 
 def why(facts: Facts, loss: Loss) -> Said:
     """Why control is lost: by the search where it looked at that onset, else by the first run within; of a bounce how the
-    valve lands in the run with the largest one.
+    valve lands in that run.
     """
     row = loss.row
     if row.cause and loss.at_onset:
         return cause_text(row.cause, row.surge_order)
     within = _within(facts, loss)
     if row.kind == "bounce":
-        within.sort(key=lambda run: -facts.value(run, "bounce_height"))
         lands = ((landing(facts, run), speed_text(run.engine_speed)) for run in within)
         fields: Fields = next(({**told, "there": at} for told, at in lands if told), {})
         return Phrase("it lands at {velocity}[ on {part}] at {there}", fields) if fields else ""
@@ -60,11 +59,12 @@ def why(facts: Facts, loss: Loss) -> Said:
 
 
 def _within(facts: Facts, loss: Loss) -> list[Solution]:
-    """The runs of a label at speeds at which control is lost."""
+    """The runs of a label at speeds at which control is lost, the slowest first."""
     ends = [(one.lower_engine_speed, one.upper_engine_speed) for one in loss.ranges]
+    runs = sorted((*facts.runs, *facts.beyond), key=lambda run: run.engine_speed)
     return [
         run
-        for run in (*facts.runs, *facts.beyond)
+        for run in runs
         if run.label == loss.row.label and any(low <= run.engine_speed <= up for low, up in ends)
     ]
 

@@ -172,6 +172,14 @@ def bounces(facts: Facts) -> Hits:
         )
 
 
+def bounces_most(facts: Facts) -> Hits:
+    """It bounces by more than the limit, and by more than any contact of the drive opens."""
+    gaps = [one.size for run in facts.runs for one in facts.losses(run)]
+    for hit in bounces(facts):
+        if hit.amount and hit.amount.value > max(gaps, default=0.0):
+            yield hit
+
+
 @per_run
 def floats(facts: Facts, run: Solution) -> Hit | None:
     """The cam is left while the valve is open, and the valve flies above the path of rigid parts by 0.05 mm."""
@@ -283,10 +291,10 @@ RULES = (
     Rule("C101", "decides", "the valve floats: {value} above its path[ {at}]", floats,
          (*CONTACT, "float_excess_lift"), "[{cause}]", SWEEP, "[left at {angle}][, met again at {landing}][ on {part}]",
          "how-to/09-loft.md", unless=("U", "W10", "D10")),
+    Rule("C105", "decides", "the valve bounces {value} off its seat[ {at}]", bounces_most, ("bounce_height",),
+         "[it lands at {velocity}][ on {part}]", SWEEP, "bounces", "how-to/10-seating.md", unless=("U", "W10", "D10", "M1", "C101")),
     Rule("C102", "decides", "[{limit}: ]contact is lost at the {place}[, {gap} open][ for {value}][ {at}]", loses, CONTACT,
          "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
-    Rule("C105", "decides", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
-         "[it lands at {velocity}][ on {part}]", SWEEP, "bounces", "how-to/10-seating.md", unless=("U", "W10", "D10", "M1", "C101", "C102")),
     Rule("C103", "decides", f"{NEAR}: {{value}} left on the cam[ at {{angle}}][ {{at}}]", barely, CONTACT,
          "[rigid parts would leave {rigid}]", SWEEP, "[rigid parts {rigid}]", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "M10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
