@@ -105,7 +105,7 @@ def running_up(last: str) -> Study:
     ("code", "holds", "holds_not"),
     [
         ("C101", "flies", "lost"), ("C102", "lost", "calm"), ("C103", "ls-6600", "ls-5000"), ("C104", "calm", "ls-6600"),
-        ("C110", "ls-7300", "ls-5000"), ("C120", "calm", "flies"), ("V101", "ls-limit", "ls-6600"),
+        ("C105", "ls-7300", "ls-5000"), ("C110", "ls-plain", "ls-7300"), ("C120", "calm", "flies"), ("V101", "ls-limit", "ls-6600"),
         ("V102", "ls-6600", "calm"), ("L101", "calm", "flies"), ("P101", "piston-hit", "piston-near"),
         ("P102", "piston-near", "piston-far"), ("B102", "ls-close", "ls-5000"), ("K101", "clash", "slow"),
         ("K102", "wire-short", "wire"), ("K105", "wire", "wire-short"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
@@ -342,7 +342,7 @@ def marks(name: str) -> dict[str, str]:
 
 def test_marks_of_rows_are_those_of_findings_about_them():
     found = marks("ls-7300")
-    assert found["on the cam"] == "bad" and found["bounce"] == "warn"
+    assert found["on the cam"] == "bad" and found["bounce"] == "bad"
 
 
 @pytest.mark.parametrize(
@@ -429,4 +429,5 @@ def test_the_cause_of_a_loss_is_that_of_the_simplest_train_that_loses_contact_as
     )  # fmt: skip
     simplest = Cause.INERTIA if run.engine_speed > rigid else Cause.VIBRATION if without >= gap / 2 else Cause.SURGE  # fmt: skip
     assert gap >= 0 and simplest == expected
-    assert findings_of(study(name)).verdict.fields["cause"].startswith(CAUSES[expected])
+    (told,) = findings_of(study(name)).by("C101") or findings_of(study(name)).by("C102")
+    assert told.fields["cause"].startswith(CAUSES[expected])

@@ -205,6 +205,18 @@ def test_findings_say_what_gains_most_and_what_is_not_known() -> None:
     assert codes(PartRanking("own", "stock", 0.0, 1000 * RPM, 8400 * RPM)) == ("W305",)
 
 
+def test_what_ends_control_is_said_of_the_train_and_of_parts_that_change_it() -> None:
+    parts = tuple(replace(one, loss="contact-loss") for one in WHOLE.changes)
+    other = (replace(parts[0], loss="bounce"), *parts[1:])
+    shown = PartsAnswer(replace(WHOLE, loss="contact-loss", changes=other))
+    assert ["bounces" in one.remark for one in shown.lines] == [
+        False,
+        True,
+        *[False] * len(parts[1:]),
+    ]
+    assert "cam" in shown.lines[0].remark
+
+
 def test_a_shim_that_leaves_little_to_coil_bind_has_no_tick() -> None:
     shim = change("seat load", 300, bind_clearance=0.4e-3)
     shown = PartsAnswer(replace(WHOLE, changes=(shim, *WHOLE.changes[1:])))

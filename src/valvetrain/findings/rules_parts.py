@@ -129,7 +129,7 @@ def assumed_retainer(facts: PartFacts) -> Hits:
         yield Hit()
 
 
-GAINS = "{part} surely gains most, {gain} rpm[ ({range})][, or {rival} (ranges overlap)]"
+GAINS = "{part} gains most, {gain} rpm[ ({range})][; {rival} may gain as much]"
 REACHED = "in control to {reached} rpm[, red line {red}][, with only {left} left to coil bind]"
 #: What flex takes of lift and open time, and the share of it that a part leaves at most to be called stiffer.
 LOST, LESS = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range"), 0.97

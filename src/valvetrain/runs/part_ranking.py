@@ -267,6 +267,7 @@ def rank_parts(request: Parts, watch: Watch = Watch()) -> PartRanking:
     ranking = PartRanking(
         base.record.name, base.labels[0], limit, first, last, seat_load=numbers["preload"], red_line=base.record.red_line,
         text=base.record.text, lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]],
+        loss=first_loss(base.critical_speeds),
     )  # fmt: skip
     if not lost:
         return ranking
@@ -356,6 +357,7 @@ def _changed(
     return replace(
         change, seat_load_change=numbers["preload"] - ranking.seat_load, stress_change=numbers[STRESS] - before[STRESS], chosen=part.chosen,
         lift_loss=numbers[FLEX[0]], time_lost=numbers[FLEX[1]], bind_clearance=left if left < before[BIND] - SAME else math.nan,
+        loss=first_loss(found),
     )  # fmt: skip
 
 
@@ -374,6 +376,12 @@ def _change(part: Part, ranking: PartRanking, before: Limits, after: Limits) -> 
     gain = within(limit) - ranking.engine_speed
     ends = min(gains), max(gains)
     return PartChange(part.name, part.price, limit, gain, *ends, setting=part.setting)
+
+
+def first_loss(found: CriticalSpeeds) -> str:
+    """Kind of the critical speed that ends control; empty for none."""
+    lost = [(spans[0].lower_engine_speed, one.kind) for one, spans in found.limiting() if spans]
+    return min(lost, default=(0.0, ""))[1]
 
 
 def limits_of(found: CriticalSpeeds) -> Limits:

@@ -30,7 +30,8 @@ class PartChange:
     of a spring without a wire. ``lift_loss`` (m, at the lowest speed in use) and ``time_lost`` (rad of the crank, above 0.050 in of
     lift, at the lowest speed searched) are what flex takes. ``chosen``: whether a shop can choose it; else it is what nobody knows.
     ``bind_clearance`` (m): what it leaves to coil bind at full lift, where that is less than before; else NaN.
-    ``setting``: what sets it on a command line, empty where a case file has to. ``refusal``: why the changed train cannot run,
+    ``loss``: kind of the critical speed that ends control, empty for none. ``setting``: what sets it on a command line, empty
+    where a case file has to. ``refusal``: why the changed train cannot run,
     whose numbers are NaN then.
     """
 
@@ -46,6 +47,7 @@ class PartChange:
     time_lost: float = math.nan
     bind_clearance: float = math.nan
     chosen: bool = True
+    loss: str = ""
     setting: str = ""
     refusal: str = ""
 
@@ -67,7 +69,7 @@ class PartRanking(Saveable):
     ``case``: its name; ``label`` of the train as it is, controlled up to ``engine_speed`` (rad/s of the crank; as in :class:`PartChange`);
     changed trains were searched from ``first_engine_speed`` to ``last_engine_speed``. ``changes``: what nobody
     knows, then the parts, the largest gain first.
-    ``seat_load`` (N), ``lift_loss`` and ``time_lost`` as in :class:`PartChange`; ``red_line`` (rad/s) and ``text`` of the case.
+    ``seat_load`` (N), ``lift_loss``, ``time_lost`` and ``loss`` as in :class:`PartChange`; ``red_line`` (rad/s) and ``text`` of the case.
 
     >>> lighter = PartChange("valve 10 % lighter", engine_speed=800.0, gain=50.0, least_gain=40.0, largest_gain=60.0)
     >>> PartRanking("own", "stock", 750.0, 500.0, 900.0, (lighter,)).best.part
@@ -85,6 +87,7 @@ class PartRanking(Saveable):
     text: str = ""
     lift_loss: float = math.nan
     time_lost: float = math.nan
+    loss: str = ""
 
     @property
     def choices(self) -> tuple[PartChange, ...]:
@@ -104,6 +107,6 @@ class PartRanking(Saveable):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A row per change, SI; the units of its numbers are in ``attrs["units"]``."""
-        names = ("part", *UNITS, "chosen", "price", "setting", "refusal")
+        names = ("part", *UNITS, "chosen", "price", "loss", "setting", "refusal")
         columns = {name: [getattr(one, name) for one in self.changes] for name in names}
         return frame(columns, units={name: UNITS.get(name, "") for name in names})

@@ -17,6 +17,7 @@ from valvetrain.findings.rules_parts import (
     range_text,
     reached_text,
 )
+from valvetrain.findings.rules_sweep import DOES
 from valvetrain.findings.words import Amount
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.part_ranking import PartChange, PartRanking
@@ -62,7 +63,8 @@ class PartsAnswer(ShownByRules):
         load = self.words.amount(Amount("preload", self.ranking.seat_load))
         speed = reached_text(self.ranking.engine_speed, self.ranking)
         lost = self._lost(self.ranking.lift_loss)
-        lines = [Line("as it is", (speed, "", "", lost, load, *[""] * self.stressed))]
+        cells = (speed, "", "", lost, load, *[""] * self.stressed)
+        lines = [Line("as it is", cells, "", _then(self.ranking.loss))]
         return [*lines, *map(self._line, self.ranking.changes)]
 
     def _line(self, change: PartChange) -> Line:
@@ -71,7 +73,8 @@ class PartsAnswer(ShownByRules):
         marks: tuple[Mark, ...] = ("", "ok", "bad")
         doubts = [one for one in self.findings.by("W311") if one.fields["part"] == change.part]
         mark = marks[change.sign] if change.chosen else "warn" if doubts else ""
-        price = "; ".join(filter(None, ("" if change.sign else "not sure", change.price)))
+        then = "" if change.loss == self.ranking.loss else _then(change.loss)
+        price = "; ".join(filter(None, ("" if change.sign else "not sure", then, change.price)))
         price = doubts[0].remark if doubts else price
         if change.near_bind:
             mark = "bad" if change.sign < 0 else "warn"
@@ -107,6 +110,11 @@ class PartsAnswer(ShownByRules):
         yield "Each train is searched for its critical speeds; it is controlled up to the lowest at which control stays lost."
         yield "A range is made of the differences of both trains with the same thing changed: damping, spring model, step, mesh."
         yield "Gains do not add up: change the case and rank again."
+
+
+def _then(loss: str) -> str:
+    """What the valve does first beyond the speed of control, by the kind of the critical speed."""
+    return f"then it {DOES[loss].format(place='cam')}" if loss else ""
 
 
 def picture(facts: PartFacts) -> go.Figure | None:
