@@ -11,13 +11,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
-from valvetrain.cam.pieces import PeriodicPieces, solve
+from valvetrain.cam.pieces import OfPieces, PeriodicPieces, solve
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.measured.cam_events import KEYS, CamEvents
 from valvetrain.parameters.lift_law import LiftModel
@@ -218,7 +216,7 @@ LENGTHS = (math.radians(1.0), math.radians(175.0))
 
 
 @dataclass(frozen=True, kw_only=True)
-class CamCard:
+class CamCard(OfPieces):
     """Lobe about ``nose`` (cam rad) that is for ``duration`` (cam rad) above ``duration_lift`` (m),
     0.050 in on most cards.
 
@@ -407,13 +405,6 @@ class CamCard:
     def _pieces(self) -> PeriodicPieces:
         flank = self.half_lobe.after_ramp(self.ramp_length, self.ramp_blend)
         return joined(self.nose, flank, flank)
-
-    @property
-    def joints(self) -> tuple[float, ...]:
-        return self._pieces.joints
-
-    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        return self._pieces.lift(cam_angle, derivative)
 
 
 def angle_before_nose(half: HalfLobe, passed_lift: float) -> float:

@@ -70,16 +70,7 @@ class ModifiedSine(FlankEvents):
     flank).
     """
 
-    @property
-    def joints(self) -> tuple[float, ...]:
-        rise, fall = self.opening_end - self.opening_start, self.closing_end - self.closing_start
-        flanks = ((self.opening_start, rise), (self.closing_start, fall))
-        inner = [start + span * share for start, span in flanks for share in (0.125, 0.875)]
-        return tuple(
-            sorted(
-                (self.opening_start, self.opening_end, self.closing_start, self.closing_end, *inner)
-            )
-        )
+    inside: ClassVar[tuple[float, ...]] = (0.125, 0.875)
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return flanked(self, _shape_modified_sine, cam_angle, derivative)

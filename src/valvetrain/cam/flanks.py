@@ -31,6 +31,8 @@ class FlankEvents:
     """
 
     joint_continuity: ClassVar[int] = 2
+    #: Joints inside each flank, as shares of it.
+    inside: ClassVar[tuple[float, ...]] = ()
 
     maximum_lift: float
     opening_start: float
@@ -52,7 +54,9 @@ class FlankEvents:
 
     @property
     def joints(self) -> tuple[float, ...]:
-        return (self.opening_start, self.opening_end, self.closing_start, self.closing_end)
+        flanks = (self.opening_start, self.opening_end), (self.closing_start, self.closing_end)
+        inner = [start + (end - start) * share for start, end in flanks for share in self.inside]
+        return tuple(sorted((*flanks[0], *flanks[1], *inner)))
 
 
 class FlankModel(LiftModel):

@@ -9,13 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
-from numpy.typing import ArrayLike
 from pydantic import Field
 
-from valvetrain.arrays import Array
 from valvetrain.cam.contract import LiftSpec
 from valvetrain.cam.event import lobe_of_file
-from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
+from valvetrain.cam.pieces import OfPieces, PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
@@ -35,7 +33,7 @@ MAX_DRAWS = 10_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class Measured(OfPieces):
     """The law behind ``lifts`` (m) at ``cam_angles`` (rad), as `valvetrain.measured.lift_smoothing`
     finds it.
 
@@ -65,10 +63,6 @@ class Measured:
     def continuity(self) -> int:
         return 2
 
-    @property
-    def joints(self) -> tuple[float, ...]:
-        return self._pieces.joints
-
     @cached_property
     def smoothed(self) -> SmoothedLift:
         """The law with its uncertainty."""
@@ -81,9 +75,6 @@ class Measured:
         lift = self.smoothed
         coefficients = lift.draws(self.draw)[-1] if self.draw else lift.coefficients
         return pieces_of_spline(BSpline(lift.knots, coefficients, DEGREE), self.continuity)
-
-    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        return self._pieces.lift(cam_angle, derivative)
 
 
 class MeasuredModel(LiftModel):

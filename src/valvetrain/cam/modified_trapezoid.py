@@ -5,6 +5,7 @@ of constant acceleration.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,18 +32,7 @@ class ModifiedTrapezoid(FlankEvents):
     (Neklutin; Norton, Cam Design and Manufacturing Handbook).
     """
 
-    @property
-    def joints(self) -> tuple[float, ...]:
-        rise, fall = self.opening_end - self.opening_start, self.closing_end - self.closing_start
-        flanks = ((self.opening_start, rise), (self.closing_start, fall))
-        inner = [
-            start + span * share for start, span in flanks for share in (0.125, 0.375, 0.625, 0.875)
-        ]
-        return tuple(
-            sorted(
-                (self.opening_start, self.opening_end, self.closing_start, self.closing_end, *inner)
-            )
-        )
+    inside: ClassVar[tuple[float, ...]] = (0.125, 0.375, 0.625, 0.875)
 
     def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
         return flanked(self, shape, cam_angle, derivative)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,21 @@ class PeriodicPieces:
             factor = float(np.prod(np.arange(power, power - derivative, -1)))
             total = total * step + factor * chosen[..., power]
         return total
+
+
+class OfPieces:
+    """A lift law made of ``_pieces``, whose joints it has."""
+
+    @cached_property
+    def _pieces(self) -> PeriodicPieces:
+        raise NotImplementedError
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return self._pieces.joints
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        return self._pieces.lift(cam_angle, derivative)
 
 
 def ramp_states(ramp_lift: float, length: float, blend: float) -> tuple[float, float]:

@@ -10,19 +10,24 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.cam.contract import TURN, LiftSpec
-from valvetrain.cam.pieces import PeriodicPieces, quintic_pieces, ramp_states, with_base_circle
+from valvetrain.cam.pieces import (
+    OfPieces,
+    PeriodicPieces,
+    quintic_pieces,
+    ramp_states,
+    with_base_circle,
+)
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel
 from valvetrain.parameters.schema_types import Angle, Numbers, PositiveLength, quantity
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shaped:
+class Shaped(OfPieces):
     """Ramp, event and return about ``nose`` (angles in cam rad, lifts in m), mirrored unless a
     closing flank is specified.
 
@@ -176,13 +181,6 @@ class Shaped:
         return np.concatenate([[first, first + self.ramp_blend * length], flank[0]]), np.vstack(
             [[0.0, 0.0, 0.0], [built, velocity, 0.0], flank[1]]
         )
-
-    @property
-    def joints(self) -> tuple[float, ...]:
-        return self._pieces.joints
-
-    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        return self._pieces.lift(cam_angle, derivative)
 
 
 def _rises_then_falls(shape: tuple[float, ...]) -> bool:

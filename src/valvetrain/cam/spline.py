@@ -9,13 +9,18 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.arrays import Array
 from valvetrain.cam.contract import TURN, LiftSpec
 from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps, lobe_of_file
-from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, quintic_pieces, with_base_circle
+from valvetrain.cam.pieces import (
+    OfPieces,
+    PeriodicPieces,
+    pieces_of_spline,
+    quintic_pieces,
+    with_base_circle,
+)
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
@@ -31,7 +36,7 @@ from valvetrain.parameters.schema_types import (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spline:
+class Spline(OfPieces):
     """Spline of ``degree`` 5 or 7 through ``lifts`` (m) at ``cam_angles`` (rad), zero outside them.
 
     The first (degree - 1) / 2 derivatives vanish at both ends, so the law leaves and meets the base
@@ -105,9 +110,6 @@ class Spline:
             rest = [(order, 0.0) for order in range(1, self.continuity + 1)]
             spline = make_interp_spline(angles, lifts, k=self.degree, bc_type=(rest, rest))
         return pieces_of_spline(spline, self.continuity)
-
-    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        return self._pieces.lift(cam_angle, derivative)
 
 
 class SplineModel(LiftModel):
@@ -204,7 +206,7 @@ SPLINE_SPEC = LiftSpec(Spline, SplineModel)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stations:
+class Stations(OfPieces):
     """Piecewise quintic through stations (cam rad): lifts (m), velocities (m/rad) and accelerations
     (m/rad2), all zero at both ends.
     """
@@ -237,9 +239,6 @@ class Stations:
     @property
     def joints(self) -> tuple[float, ...]:
         return tuple(self.cam_angles)
-
-    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
-        return self._pieces.lift(cam_angle, derivative)
 
 
 CamVelocities = Annotated[tuple[float, ...], quantities("cam velocity")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from valvetrain.arrays import Array
 from valvetrain.errors import InputError
@@ -16,6 +16,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.nested import carried_state
 from valvetrain.system.contract import System
+from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_rest import TrainRest
 
 #: Longest run-up that is taken for meant.
@@ -139,6 +140,18 @@ class Integrator(Protocol):
         :func:`valvetrain.integrate.run.run`.
         """
         ...
+
+
+@dataclass(frozen=True)
+class OfOneSpring:
+    """What serves a single spring of the class ``model`` under prescribed motion at a steady speed."""
+
+    model: ClassVar[type[Any]]
+
+    def serves(self, system: System, until: Until) -> bool:
+        """Whether it runs such a system so long."""
+        alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
+        return alone and isinstance(system.springs[0], self.model) and not isinstance(until, RunUp)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.arrays import Array
-from valvetrain.integrate.contract import RunOptions, RunUp, Until
+from valvetrain.integrate.contract import OfOneSpring, RunOptions, Until
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -26,15 +26,12 @@ EXTRA: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 
 @dataclass(frozen=True)
-class Harmonic:
+class Harmonic(OfOneSpring):
     """No step and no transient: every harmonic of the lift gives the same harmonic of each mode."""
 
+    model = ModalVaried
     word: str = "harmonic"
     order: int = 0
-
-    def serves(self, system: System, until: Until) -> bool:
-        alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
-        return alone and isinstance(system.springs[0], ModalVaried) and not isinstance(until, RunUp)
 
     def run(
         self,

@@ -11,7 +11,7 @@ import numpy as np
 
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
-from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.integrate.contract import Cycles, OfOneSpring, Periodic, RunOptions, Until
 from valvetrain.solution.channels import SPRING_CHANNELS, Variable
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -45,21 +45,14 @@ def settling_revolutions(rod: FiniteElementRod | SolidModel, cam_speed: float) -
 
 
 @dataclass(frozen=True)
-class RodLeapfrog:
+class RodLeapfrog(OfOneSpring):
     """Second order. A run that diverges is repeated once with half the step; when that fails too,
     what was computed has a status.
     """
 
+    model = FiniteElementRod
     word: str = "rod-leapfrog"
     order: int = 2
-
-    def serves(self, system: System, until: Until) -> bool:
-        alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
-        return (
-            alone
-            and isinstance(system.springs[0], FiniteElementRod)
-            and not isinstance(until, RunUp)
-        )
 
     def run(
         self,

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.continuum.transient import SolidTransient, simulate_solid
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
-from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.integrate.contract import Cycles, OfOneSpring, Periodic, RunOptions, Until
 from valvetrain.integrate.rod_leapfrog import REMEDY, SAMPLES, settling_revolutions
 from valvetrain.integrate.solid_store import read_run, run_key, write_run
 from valvetrain.solution.provenance import Provenance
@@ -26,15 +26,12 @@ TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
-class SolidLeapfrog:
+class SolidLeapfrog(OfOneSpring):
     """Second order. A run that diverges has that status, with what was computed."""
 
+    model = SolidModel
     word: str = "solid-leapfrog"
     order: int = 2
-
-    def serves(self, system: System, until: Until) -> bool:
-        alone = isinstance(system, PrescribedSpring) and len(system.springs) == 1
-        return alone and isinstance(system.springs[0], SolidModel) and not isinstance(until, RunUp)
 
     def run(
         self,

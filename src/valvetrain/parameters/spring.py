@@ -331,24 +331,27 @@ class SpringDefinition(Table):
         """Free-state gap (m) between the wire at ``coil`` and one turn below; infinite where there
         is none.
         """
+        inside, upper, shift, wire = self._turn_below(coil)
+        rise = self.axial_position(upper) - self.axial_position(upper - 1)
+        return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
+
+    def _turn_below(self, coil: ArrayLike) -> tuple[Flags, Array, Array, Array]:
+        """Whether there is wire one turn below ``coil``; the coil where there is; how much farther out the wire is there than
+        one turn below (m), and the mean of both diameters (m).
+        """
         coil = np.asarray(coil, dtype=float)
         inside = (coil >= 1.0) & (coil <= self.total_coils)
         upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
-        rise = self.axial_position(upper) - self.axial_position(upper - 1)
         shift = (self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
         wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
-        return np.where(inside, np.hypot(rise, shift) - wire, np.inf)
+        return inside, upper, shift, wire
 
     def telescopes(self, coil: ArrayLike) -> Flags:
         """Whether the wire at ``coil`` passes next to the wire one turn below, which then does not
         keep it off the seat.
         """
-        coil = np.asarray(coil, dtype=float)
-        inside = (coil >= 1.0) & (coil <= self.total_coils)
-        upper = np.clip(coil, 1.0, max(self.total_coils, 1.0))
-        shift = np.abs(self.mean_diameter.value(upper) - self.mean_diameter.value(upper - 1)) / 2
-        wire = (self.wire_diameter.value(upper) + self.wire_diameter.value(upper - 1)) / 2
-        found: Flags = np.asarray(inside & (shift >= wire), dtype=np.bool_)
+        inside, _, shift, wire = self._turn_below(coil)
+        found: Flags = np.asarray(inside & (np.abs(shift) >= wire), dtype=np.bool_)
         return found
 
     @cached_property

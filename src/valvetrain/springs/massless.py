@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from pydantic import Field
@@ -28,8 +28,33 @@ from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import keep_si, si_each
 
 
+class Massless:
+    """What springs without inner motion share: no state, any time step, and the mass that moves with the retainer."""
+
+    active_mass: float
+    effective_mass_fraction: float
+    inactive_mass: float
+
+    @property
+    def unknowns(self) -> int:
+        return 0
+
+    def with_time_step(self, time_step: float) -> Self:
+        return self
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        return np.zeros(1)
+
+    def stable_time_step(self) -> float:
+        return float("inf")
+
+    def retainer_mass(self) -> float:
+        """``effective_mass_fraction`` of the active mass plus the inactive end coils (kg)."""
+        return self.effective_mass_fraction * self.active_mass + self.inactive_mass
+
+
 @dataclass(frozen=True)
-class MasslessSpring:
+class MasslessSpring(Massless):
     """Force = preload + rate * displacement (N, N/m); ``effective_mass_fraction`` of
     ``active_mass`` moves with the retainer.
 
@@ -72,10 +97,6 @@ class MasslessSpring:
         )
 
     @property
-    def unknowns(self) -> int:
-        return 0
-
-    @property
     def kernel(self) -> Any:
         return massless_kernels.advance_linear
 
@@ -91,15 +112,6 @@ class MasslessSpring:
 
     def integers(self) -> Ints:
         return np.zeros(1, dtype=np.int64)
-
-    def with_time_step(self, time_step: float) -> MasslessSpring:
-        return self
-
-    def initial_state(self, retainer_displacement: float) -> Array:
-        return np.zeros(1)
-
-    def stable_time_step(self) -> float:
-        return float("inf")
 
     def energy(
         self,
@@ -126,13 +138,9 @@ class MasslessSpring:
     ) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
 
-    def retainer_mass(self) -> float:
-        """``effective_mass_fraction`` of the active mass plus the inactive end coils (kg)."""
-        return self.effective_mass_fraction * self.active_mass + self.inactive_mass
-
 
 @dataclass(frozen=True)
-class MasslessTable:
+class MasslessTable(Massless):
     """Static curve as a spring: force (N) over displacement from the installed position (m), joined
     by straight lines.
 
@@ -172,10 +180,6 @@ class MasslessTable:
         )
 
     @property
-    def unknowns(self) -> int:
-        return 0
-
-    @property
     def kernel(self) -> Any:
         return massless_kernels.advance_table
 
@@ -194,15 +198,6 @@ class MasslessTable:
             return -np.inf
         index, slope = self._segment(float(np.interp(0.0, self.forces, self.displacements)))
         return self.displacements[index] - self.forces[index] / slope
-
-    def with_time_step(self, time_step: float) -> MasslessTable:
-        return self
-
-    def initial_state(self, retainer_displacement: float) -> Array:
-        return np.zeros(1)
-
-    def stable_time_step(self) -> float:
-        return float("inf")
 
     def _segment(self, displacement: float) -> tuple[int, float]:
         index = int(
@@ -251,10 +246,6 @@ class MasslessTable:
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> SpringOutputs:
         return SpringOutputs(*self.force(state, retainer_displacement))
-
-    def retainer_mass(self) -> float:
-        """``effective_mass_fraction`` of the active mass plus the inactive end coils (kg)."""
-        return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
 @lru_cache(maxsize=64)
