@@ -112,9 +112,9 @@ class CaseAnswer(ShownByRules):
         texts.append(("rate", self._rates(), "closed to full lift"))
         if self.rigid is not None:
             mass = self.rigid["reduced_mass"]
-            ends = (Amount("card_mass", float(one)) for one in (np.min(mass), np.max(mass)))
+            least, most = (Amount("card_mass", float(one)) for one in (mass.min(), mass.max()))
             note = "at the valve, springs by a third"
-            texts.append(("moving mass", self.words.span(*ends), note))
+            texts.append(("moving mass", self.words.span(least, most), note))
         texts.append(self._needed())
         left = self.facts.left
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
