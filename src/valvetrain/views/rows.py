@@ -115,7 +115,7 @@ ROWS = (
     Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", "permitted_bounce_height")),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
     Row("spring", (SEAT,), of="train"),
-    Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), "at most at your rate, plus 20 %", "train"),
+    Row("needed, rigid", ("{needed_closed_spring_force..needed_open_spring_force}",), "at your rate, plus 20 %", "train"),
     Row("you have", ("{preload..open_spring_force}",), "seat to full lift, at rest", "train"),
     Row("surge, 0 to peak", ("{surge_amplitude_force}",)),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR_BIND, least=True)),
